@@ -265,11 +265,10 @@ static mukca_status run(cli_call *call)
     session *s = call->work;
     const char *term = getenv("TERM");
     s->view = isatty(STDERR_FILENO) && !call->common->quiet && term && strcmp(term, "dumb") != 0;
-    mukca_status status = prepare(s);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(prepare(s));
     if (s->keys >= 0) cli_capture_enter(&s->terminal, s->keys);
     cli_relay_open(&s->terminal.relay);
-    status = loop(s);
+    mukca_status status = loop(s);
     cli_relay_close(&s->terminal.relay);
     if (s->view) cli_capture_draw(&s->terminal, &s->recorder);
     cli_capture_leave(&s->terminal);

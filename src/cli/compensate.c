@@ -118,10 +118,8 @@ static mukca_status correct_table(job *b, const char *path)
     mukca_rows *rows = &b->rows;
     mukca_row row;
     mukca_rows_options header = {.kind = MUKCA_EITHER, .unchecked = true, .notes = cli_notes(call)};
-    mukca_status status = cli_read_format(call, &header.format);
-    if (status == MUKCA_OK)
-        status = mukca_rows_open(rows, path, &b->arm.chain, &header, &call->error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(cli_read_format(call, &header.format));
+    MUKCA_TRY(mukca_rows_open(rows, path, &b->arm.chain, &header, &call->error));
     if (mukca_table_find(&rows->table, "error_before_m") >= 0)
         mukca_table_fail(
             &rows->table, -1,
@@ -137,7 +135,7 @@ static mukca_status correct_table(job *b, const char *path)
         if (timed) fprintf(b->stream, "%.17g\t", row.time[0]);
         put(b, q, &c, path, rows->table.line);
     }
-    status = mukca_rows_close(rows);
+    const mukca_status status = mukca_rows_close(rows);
     return status == MUKCA_OK && cli_interrupted() ? MUKCA_INTERRUPTED : status;
 }
 
@@ -179,8 +177,7 @@ static mukca_status correct_program(job *b, const char *path)
     const long before = b->tally.rows;
     char *text;
     int number = 0;
-    mukca_status status = mukca_file_read(&text, path, &call->error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(mukca_file_read(&text, path, &call->error));
     start(b);
     for (char *line = text; *line && !ferror(b->stream) && !cli_interrupted();) {
         char *end = line + strcspn(line, "\n");
@@ -281,8 +278,7 @@ static mukca_status run(cli_call *call)
     const cli_common *c = call->common;
     const cli_model *model = &call->session->model;
     job *b = call->work;
-    const mukca_status status = check_axes(call, o->from);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(check_axes(call, o->from));
     b->call = call;
     b->from = o->from ? mukca_languages[o->from - 1] : NULL;
     b->arm.chain = model->chain;

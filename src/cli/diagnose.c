@@ -100,8 +100,7 @@ static mukca_status write_offsets(cli_call *call, cli_diagnosis *analysis)
     const mukca_diagnosis *d = &analysis->diagnosis;
     char comments[512];
     if (!call->common->output && !d->applied.fitted) return MUKCA_OK;
-    mukca_status status = cli_diagnosis_offsets(call, analysis);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(cli_diagnosis_offsets(call, analysis));
     analysis->result.acceptance = &analysis->offsets.acceptance;
     if (!call->common->output) return MUKCA_OK;
     snprintf(comments, sizeof comments,

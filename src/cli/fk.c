@@ -45,10 +45,8 @@ static mukca_status convert(cli_call *call, FILE *stream, const char *path, bool
     mukca_row row;
     mukca_row_state states;
     mukca_rows_options header = {.kind = MUKCA_EITHER, .unchecked = true};
-    mukca_status status = cli_read_format(call, &header.format);
-    if (status == MUKCA_OK)
-        status = mukca_rows_open(rows, path, &model->chain, &header, &call->error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(cli_read_format(call, &header.format));
+    MUKCA_TRY(mukca_rows_open(rows, path, &model->chain, &header, &call->error));
     mukca_row_state_start(&states, model->chain.n_joints);
     if (first) cli_print_verdict(call, stream);
     if (first) fputs(o->pose ? "x_m\ty_m\tz_m\tqw\tqx\tqy\tqz\n" : "x_m\ty_m\tz_m\n", stream);
@@ -59,7 +57,7 @@ static mukca_status convert(cli_call *call, FILE *stream, const char *path, bool
         mukca_fk_pose(&T, &model->geometry, row.q, model->offsets.n_effects ? &displacement : NULL);
         print_row(stream, o->pose, &T);
     }
-    status = mukca_rows_close(rows);
+    const mukca_status status = mukca_rows_close(rows);
     return status == MUKCA_OK && cli_interrupted() ? MUKCA_INTERRUPTED : status;
 }
 

@@ -52,8 +52,7 @@ mukca_status cli_read_offsets(cli_call *call, mukca_offsets *offsets, mukca_chai
 static mukca_status read_kinematics(cli_call *call, cli_model *model, const char *path)
 {
     mukca_kinematics *k = &model->kinematics;
-    const mukca_status status = mukca_kinematics_read(k, path, &call->error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(mukca_kinematics_read(k, path, &call->error));
     return mukca_kinematics_apply(&model->chain, k, path, cli_notes(call), &call->error);
 }
 

@@ -72,8 +72,7 @@ static mukca_status add_place(plan_work *r, const char *text, int number)
     mukca_error *error = &r->call->error;
     const double distance = r->call->common->distance;
     mukca_place at = {.placed = false};
-    mukca_status status = cli_read_place(&at, text, error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(cli_read_place(&at, text, error));
     if (!at.placed) return mukca_fail(error, MUKCA_USAGE, "--place %s: needs NAME=X,Y,Z", at.name);
     for (int k = 0; k < r->n_sockets; k++)
         if (strcmp(r->sockets[k].placement, at.name) == 0)

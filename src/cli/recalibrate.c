@@ -64,12 +64,10 @@ static mukca_status open_logs(cli_call *call, recalibrate_work *r)
     const mukca_chain *chain = &in->model.chain;
     r->log = &in->data;
     r->test_log = &in->test;
-    mukca_status status = mukca_pose_log_prepare(r->log, &call->error);
-    if (status == MUKCA_OK && r->tested) status = mukca_pose_log_prepare(r->test_log, &call->error);
-    if (status == MUKCA_OK)
-        status = mukca_pose_check_run(&r->check, chain, r->log, c->free_base || c->free_tool,
-                                      &call->error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(mukca_pose_log_prepare(r->log, &call->error));
+    if (r->tested) MUKCA_TRY(mukca_pose_log_prepare(r->test_log, &call->error));
+    MUKCA_TRY(
+        mukca_pose_check_run(&r->check, chain, r->log, c->free_base || c->free_tool, &call->error));
     use_check(call, r, chain);
     if (r->check.rotation_element != r->check.position_element) {
         turn_orientations(r->log, r->check.turn);

@@ -107,8 +107,7 @@ static mukca_status find_seat(mukca_simulated_fault *fault, const cli_simulated 
     if (!slash || (strcmp(slash, "/0") != 0 && strcmp(slash, "/1") != 0))
         return wrong(error, p, "needs NAME:PLACEMENT/SOCKET@ROW, socket 0 or 1");
     snprintf(name, sizeof name, "%.*s", (int)(slash - p->where), p->where);
-    mukca_status status = find_placement(&fault->placement, s, p, name, error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(find_placement(&fault->placement, s, p, name, error));
     fault->socket = slash[1] - '0';
     if (kind->creeps && strcmp(p->variant, "creep") == 0)
         fault->kind = MUKCA_SIMULATED_CREEP;
@@ -137,8 +136,7 @@ static mukca_status add_fault(cli_simulated *s, const piece *p, const fault_kind
 {
     mukca_simulated_fault fault = {.kind = kind->kind};
     if (s->n_faults == CLI_MAX_SIMULATED_FAULTS) return wrong(error, p, "too many faults");
-    mukca_status status = find_seat(&fault, s, p, kind, error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(find_seat(&fault, s, p, kind, error));
     if (p->n_values != 0 && !kind->sized) return wrong(error, p, "has no size");
     if (kind->sized && p->n_values != 1 && p->n_values != 3)
         return wrong(error, p, "needs its size in m: =LENGTH or =X,Y,Z");
@@ -161,8 +159,7 @@ static mukca_status set_place(mukca_effect *effect, const cli_simulated *s, cons
     if (placed) {
         if (!slash) return wrong(error, p, "needs a joint and a placement: NAME:JOINT/PLACEMENT");
         joint[slash - p->where] = '\0';
-        mukca_status status = find_placement(&effect->placement, s, p, slash + 1, error);
-        if (status != MUKCA_OK) return status;
+        MUKCA_TRY(find_placement(&effect->placement, s, p, slash + 1, error));
     }
     if (!joint[0]) return wrong(error, p, "needs a joint: NAME:JOINT=VALUE");
     return find_joint(&effect->joint, s, p, joint, error);
@@ -202,13 +199,12 @@ static mukca_status add_effect(cli_simulated *s, const piece *p, mukca_effect_ki
         return wrong(error, p, "a pose log has no placements and no sockets");
     if ((mukca_effect_table[kind]->needs & MUKCA_NEEDS_MASSES) && !s->chain->n_masses)
         return wrong(error, p, "needs link masses; give --inertials FILE");
-    mukca_status status = set_place(&effect, s, p, error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(set_place(&effect, s, p, error));
     const char *expected =
         mukca_effect_set_variant(&effect, p->variant[0] ? p->variant : NULL, s->chain->n_joints);
     if (expected)
         return mukca_fail(error, MUKCA_USAGE, "--effect %.80s: expected %s", p->text, expected);
-    status = set_values(&effect, s, p, error);
+    mukca_status status = set_values(&effect, s, p, error);
     if (status == MUKCA_OK) s->effects[s->n_effects++] = effect;
     return status;
 }

@@ -191,8 +191,7 @@ mukca_status mukca_averaged_fit(mukca_regression *m, mukca_search *id, mukca_err
         return MUKCA_OK; /* the pool keeps a failure */
     mukca_folds_run(before, &b, false);
     if (unlisted_probability(id) >= NEGLIGIBLE) {
-        const mukca_status status = mukca_identify_listed(id, error);
-        if (status != MUKCA_OK) return status;
+        MUKCA_TRY(mukca_identify_listed(id, error));
         mukca_identify_settle(id);
     }
     fit(m, id, true);

@@ -156,8 +156,7 @@ static mukca_status choose_sign(mukca_regression *m, const mukca_diagnose_option
                                 .progress_context = options->progress_context};
     for (int i = 0; i < 2; i++) {
         o.efforts = i ? -1 : 1;
-        status = mukca_diagnose(tried, r->chain, r->data, &o, error);
-        if (status != MUKCA_OK) return status;
+        MUKCA_TRY(mukca_diagnose(tried, r->chain, r->data, &o, error));
         score[i] = tried->score;
         mukca_diagnosis_free(tried);
     }

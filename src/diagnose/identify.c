@@ -171,8 +171,7 @@ static mukca_status pass(mukca_search *id, mukca_causes *best, bool last, mukca_
     if (!mukca_scan_aim(&id->scan, id->m->unknowns.family))
         return first ? mukca_fail(error, MUKCA_UNIDENTIFIABLE, "the normal equations are singular")
                      : MUKCA_OK;
-    const mukca_status status = mukca_scan_run(&id->scan, true, error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(mukca_scan_run(&id->scan, true, error));
     keep_best(id, first ? KEPT : KEPT_BESIDE);
     if (first) {
         id->n_first = id->all.count;
@@ -327,8 +326,7 @@ mukca_status mukca_identify_run(mukca_search *id, mukca_error *error)
     mukca_recording_seat(&m->recording, &m->pool, m->linear.seated, m->linear.distance,
                          NOISE * m->unknowns.sigma);
     mukca_candidates_start(&id->all, &m->pool, &m->recording, id->options->disabled);
-    mukca_status status = mukca_candidates_list(&id->all, &m->unknowns, error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(mukca_candidates_list(&id->all, &m->unknowns, error));
     id->kept = MUKCA_TAKE(&id->pool, int, MOST_KEPT);
     id->ranked = MUKCA_TAKE(&id->pool, mukca_ranked, id->all.capacity);
     id->taken = MUKCA_TAKE(&id->pool, unsigned char, id->all.capacity);
@@ -339,8 +337,7 @@ mukca_status mukca_identify_run(mukca_search *id, mukca_error *error)
         return mukca_fail(error, MUKCA_MEMORY, "out of memory for the scan of %d candidates",
                           id->all.count);
     mukca_regression_freeze(m);
-    status = search_all(id, &best, NULL, error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(search_all(id, &best, NULL, error));
     if (!m->recording.repeats && has_heavy_tails(id, &best, tails)) id->tails = tails;
     return rank(id, error);
 }

@@ -71,8 +71,7 @@ mukca_status mukca_logs_compare(mukca_logs *logs, mukca_recording_options *optio
         tried.base_per_log = i & 1, tried.tool_per_log = i & 2;
         if ((tried.base_per_log && !given.free_base) || (tried.tool_per_log && !given.free_tool))
             continue;
-        const mukca_status status = weigh_case(&logs->log_evidence[i], &tried, chain, data, error);
-        if (status != MUKCA_OK) return status;
+        MUKCA_TRY(weigh_case(&logs->log_evidence[i], &tried, chain, data, error));
         if (!(logs->log_evidence[i] > best)) continue;
         best = logs->log_evidence[i];
         *options = tried;

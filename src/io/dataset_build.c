@@ -158,13 +158,12 @@ mukca_status mukca_build_row(mukca_dataset_builder *builder, const mukca_row *ro
                              int row_in_file)
 {
     mukca_dataset *d = builder->data;
-    mukca_status status = reserve(builder);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(reserve(builder));
     const int i = d->n_rows++;
     d->socket[i] = socket;
     d->file[i] = d->n_files - 1;
     d->row[i] = row_in_file;
-    status = set_target(builder, i, row->target);
+    mukca_status status = set_target(builder, i, row->target);
     for (int c = 0; c < MUKCA_COLUMNS && status == MUKCA_OK; c++)
         status = set_values(builder, i, c, row->number[c]);
     if (status == MUKCA_OK && isnan(row->payload[0]))
@@ -194,8 +193,7 @@ mukca_status mukca_distances_set(mukca_dataset_builder *b, double distance)
             sockets++;
             for (int r = 0; r < s; r++) {
                 if (d->sockets[r].placement != p) continue;
-                mukca_status status = build_distance(b, r, s, distance);
-                if (status != MUKCA_OK) return status;
+                MUKCA_TRY(build_distance(b, r, s, distance));
             }
         }
         if (sockets > 4)

@@ -46,8 +46,7 @@ static mukca_status read_hole(mukca_dataset_builder *b, const char *path, int so
 {
     mukca_rows rows;
     mukca_row row;
-    mukca_status status = open_rows(&rows, b, path, MUKCA_NO_HEADER);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(open_rows(&rows, b, path, MUKCA_NO_HEADER));
     mukca_table_stop(&rows.table, mukca_build_file(b, path));
     while (mukca_rows_next(&rows, &row))
         mukca_table_stop(&rows.table, mukca_build_row(b, &row, socket, rows.table.row));
@@ -84,9 +83,8 @@ static mukca_status read_placement(mukca_dataset_builder *b, const char *folder,
     last_parts(name, whole ? whole : folder, 1);
     last_parts(qualified, whole ? whole : folder, 2);
     free(whole);
-    mukca_status status = count_holes(&holes, b, folder, least);
-    if (status != MUKCA_OK) return status;
-    status = mukca_build_placement(b, name, qualified);
+    MUKCA_TRY(count_holes(&holes, b, folder, least));
+    mukca_status status = mukca_build_placement(b, name, qualified);
     for (int hole = 0; hole < holes && status == MUKCA_OK; hole++) {
         const mukca_dataset *d = b->data;
         const int first = d->n_rows;
@@ -256,8 +254,7 @@ static void read_rows(mukca_dataset_builder *b, session *s)
 static mukca_status read_table(mukca_dataset_builder *b, const char *path)
 {
     session s = {.first_placement = b->data->n_placements, .first_socket = b->data->n_sockets};
-    mukca_status status = open_rows(&s.rows, b, path, MUKCA_HEADER);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(open_rows(&s.rows, b, path, MUKCA_HEADER));
     last_parts(s.stem, path, 1);
     char *dot = strrchr(s.stem, '.');
     if (dot && dot != s.stem) *dot = '\0';

@@ -105,8 +105,7 @@ static mukca_status replace(replacement *r, const mukca_export_input *input,
                                    .kind = zeros ? MUKCA_REFIT_ZEROS : MUKCA_REFIT_ORIGINS,
                                    .postures = input->postures,
                                    .n_postures = input->n_postures};
-    const mukca_status status = mukca_refit_run(&r->refit, &task, input->error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(mukca_refit_run(&r->refit, &task, input->error));
     memcpy(r->offsets.theta, r->refit.theta, sizeof r->offsets.theta);
     mukca_offsets_note_history(input->offsets, input->chain,
                                "not applied; its error is beyond any stated here", input->notes);

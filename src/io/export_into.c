@@ -69,8 +69,7 @@ static mukca_status write_body(patch *p, const mukca_export_tag *tag, const mukc
 {
     double quat[4];
     mukca_frame body, pose;
-    const mukca_status status = place(&body, p, tag, e);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(place(&body, p, tag, e));
     relate(&pose, &p->body, &p->calibrated);
     mukca_frame_multiply(&pose, &pose, &body);
     mukca_rotation_to_quaternion(quat, pose.R);
@@ -110,8 +109,7 @@ mukca_status mukca_export_body_frame(mukca_frame *body, const char *text, int el
             if (k < element) continue;
             return fail(&p, e->child, "is missing, or there more than once");
         }
-        const mukca_status status = place(body, &p, &tag, e);
-        if (status != MUKCA_OK) return status;
+        MUKCA_TRY(place(body, &p, &tag, e));
         p.nominal = identity;
         p.body = *body;
         p.at = tag.at + tag.length;

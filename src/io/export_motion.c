@@ -118,8 +118,7 @@ static mukca_status read_changes(patch *p)
     reader r = {.p = p};
     for (int j = 0; j < MUKCA_MAX_JOINTS; j++)
         for (int d = 0; d < DRIVES; d++) p->drive[j][d] = (double)NAN;
-    const mukca_status status = check_table(p->input);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(check_table(p->input));
     return mukca_table_read(p->input->motion, columns, COLUMNS, read_row, &r, p->input->error);
 }
 
@@ -187,8 +186,7 @@ static mukca_status patch_joint(patch *p, int joint)
     mukca_export_tag tag, inner;
     edit e;
     int n = 0;
-    mukca_status status = find(&tag, p, "joint", name);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(find(&tag, p, "joint", name));
     const bool below = p->urdf && mukca_export_find_below(&inner, &tag, "dynamics");
     for (int d = 0; d < DRIVES; d++) {
         const double *value = &p->drive[joint][d];
@@ -284,10 +282,9 @@ static mukca_status patch_link(patch *p, int joint)
     mukca_export_tag tag, inner;
     mukca_mass b = {0}, turned;
     edit e;
-    mukca_status status = find(&tag, p, kind, name);
-    if (status == MUKCA_OK && !p->urdf)
-        status = mukca_export_body_frame(&frame, p->text, chain->joint_element[joint], p->input);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(find(&tag, p, kind, name));
+    if (!p->urdf)
+        MUKCA_TRY(mukca_export_body_frame(&frame, p->text, chain->joint_element[joint], p->input));
     const bool own = mukca_export_find_below(&inner, &tag, "inertial");
     if (own) { /* to the frame of the link, on which the change acts */
         if (!read_inertial(&turned, p, &inner))

@@ -90,9 +90,8 @@ mukca_status mukca_offsets_read(mukca_offsets *offsets, const mukca_chain *chain
     char *text;
     mukca_offsets_origin origin = {
         .name = mukca_file_shown(path), .accept = options->accept, .embedded = options->embedded};
-    mukca_status status = mukca_file_read(&text, path, error);
-    if (status != MUKCA_OK) return status;
-    status = mukca_offsets_parse(offsets, &origin, chain, text, error);
+    MUKCA_TRY(mukca_file_read(&text, path, error));
+    mukca_status status = mukca_offsets_parse(offsets, &origin, chain, text, error);
     free(text);
     if (status != MUKCA_OK) return status;
     if (origin.other || origin.other_file)

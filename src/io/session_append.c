@@ -89,8 +89,7 @@ static mukca_status commit(mukca_session *session, const char *text, size_t leng
 {
     int fd = session->fd;
     size_t done = 0;
-    mukca_status status = check_path(session, error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(check_path(session, error));
     if (!cut(session)) return fail_write(session, "not recorded", error);
     session->uncut = true;
     while (done < length) {
@@ -104,7 +103,7 @@ static mukca_status commit(mukca_session *session, const char *text, size_t leng
         session->uncut = false;
         return MUKCA_OK;
     }
-    status = fail_write(session, "not recorded", error);
+    mukca_status status = fail_write(session, "not recorded", error);
     (void)cut(session); /* if this fails, before the next row */
     return status;
 }
@@ -210,11 +209,9 @@ static mukca_status open_file(mukca_session *session, mukca_error *error)
 static mukca_status create(mukca_session *session, const char *row, mukca_error *error)
 {
     mukca_output output;
-    mukca_status status = mukca_output_open(&output, session->path, session->fd >= 0, error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(mukca_output_open(&output, session->path, session->fd >= 0, error));
     fprintf(output.stream, "%s%s", session->header, row); /* mukca_output_close detects failures */
-    status = mukca_output_close(&output, error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(mukca_output_close(&output, error));
     if (session->fd >= 0) close(session->fd);
     session->header[0] = '\0';
     return open_file(session, error);
@@ -266,8 +263,7 @@ static mukca_status scan(mukca_session *session, bool *has_columns, char *text,
         *end = '\0';
         if (end > at && end[-1] == '\r') end[-1] = '\0';
         if (at[0] == '#') {
-            mukca_status status = check_comment(session, at, task, error);
-            if (status != MUKCA_OK) return status;
+            MUKCA_TRY(check_comment(session, at, task, error));
         } else if (at[0] && !*has_columns) {
             if (strcmp(at, columns.at) != 0)
                 return mukca_fail(

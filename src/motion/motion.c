@@ -96,8 +96,7 @@ static mukca_status prepare(mukca_torques *t, mukca_signals *signals, mukca_pool
                             mukca_error *error)
 {
     const mukca_motion_input *in = t->input;
-    mukca_status status = mukca_signals_make(signals, pool, in, error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(mukca_signals_make(signals, pool, in, error));
     t->model.signals = signals;
     mukca_dynamics_set(&t->model.dynamics, in->chain);
     mukca_dynamics_inertials(t->model.inertial, in->chain);

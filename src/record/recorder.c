@@ -210,9 +210,7 @@ static mukca_status read_types(mukca_recorder *r, mukca_error *error)
     if (!o->n && (o->position || o->names))
         return mukca_fail(error, MUKCA_USAGE, "--position and --names belong to a --type FILE.lcm");
     if (!o->n) return MUKCA_OK;
-    for (int i = 0; i < o->n && !status; i++)
-        status = mukca_lcm_types_read(types, o->file[i], error);
-    if (status != MUKCA_OK) return status;
+    for (int i = 0; i < o->n; i++) MUKCA_TRY(mukca_lcm_types_read(types, o->file[i], error));
     /* from the last struct backwards, as nested types come first */
     int t = types->n_types;
     do status = mukca_lcm_type_set_role(types, --t, MUKCA_LCM_ROLE_POSITION, o->position, error);

@@ -347,8 +347,7 @@ mukca_status mukca_server_run(mukca_server *s, mukca_error *error)
     mukca_server_kill_job(s);
     mukca_sampling_publish_status(r, "stopped");
     if (status != MUKCA_OK && status != MUKCA_NEGATIVE) return status;
-    status = mukca_server_save_state(s, error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(mukca_server_save_state(s, error));
     return mukca_recorder_finish(r, error); /* MUKCA_NEGATIVE: end of the log */
 }
 

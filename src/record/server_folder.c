@@ -107,12 +107,11 @@ mukca_status mukca_server_save_state(mukca_server *s, mukca_error *error)
     mukca_output output;
     if (memcmp(&s->state, &s->saved, sizeof s->state) == 0) return MUKCA_OK;
     mukca_server_path(path, s, "", "state", ".tsv");
-    mukca_status status = mukca_output_open(&output, path, true, error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(mukca_output_open(&output, path, true, error));
     for (int i = 0; i < FIELDS; i++)
         fprintf(output.stream, "%s\t%s\n", fields[i].key,
                 (const char *)&s->state + fields[i].offset);
-    status = mukca_output_close(&output, error);
+    mukca_status status = mukca_output_close(&output, error);
     if (status == MUKCA_OK)
         s->saved = s->state;
     else

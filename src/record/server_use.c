@@ -30,15 +30,13 @@ static mukca_status read_accepted(mukca_offsets *offsets, const mukca_server *s,
 {
     mukca_offsets_origin origin = {.name = name};
     mukca_acceptance *a = &offsets->acceptance;
-    mukca_status status = mukca_offsets_parse(offsets, &origin, s->recorder.chain, text, error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(mukca_offsets_parse(offsets, &origin, s->recorder.chain, text, error));
     if (!a->given || !a->intact)
         return mukca_fail(error, MUKCA_INPUT, "%s has no %s: calibrate again, then use the result",
                           name, a->given ? "digest" : "verdict");
     mukca_tip_change change;
     const mukca_tip_change_task task = {.chain = s->recorder.chain, .to = offsets};
-    status = mukca_tip_change_find(&change, &task, error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(mukca_tip_change_find(&change, &task, error));
     if (!(change.m <= MUKCA_MOST_TIP_CHANGE))
         mukca_acceptance_refuse(a, "moves the tip by %.0f mm, more than any calibration",
                                 1e3 * change.m);
@@ -139,8 +137,7 @@ static mukca_status check_change(mukca_server *s, mukca_error *error)
     mukca_tip_change change;
     const mukca_tip_change_task task = {
         .chain = s->recorder.chain, .from = &s->pose.offsets, .to = &s->candidate};
-    status = mukca_tip_change_find(&change, &task, error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(mukca_tip_change_find(&change, &task, error));
     const bool worse = new.mean_m < -2 * new.sigma_m &&old.postures &&old.mean_m <= 2 * old.sigma_m;
     if (!(change.m <= most) && !worse)
         return mukca_fail(error, MUKCA_NEGATIVE,

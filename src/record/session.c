@@ -35,11 +35,10 @@ mukca_status mukca_sampling_prepare(mukca_recorder *r, const double *theta, mukc
 {
     const mukca_recorder_options *o = r->options;
     mukca_sampling *s = &r->session;
-    mukca_status status = split_labels(&s->placements, o->placements, "--placement", error);
-    if (status == MUKCA_OK) status = split_labels(&s->sockets, o->sockets, "--sockets", error);
-    if (!status && s->sockets.n == 1)
-        status = mukca_fail(error, MUKCA_USAGE, "--sockets: a tool has two or more");
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(split_labels(&s->placements, o->placements, "--placement", error));
+    MUKCA_TRY(split_labels(&s->sockets, o->sockets, "--sockets", error));
+    if (s->sockets.n == 1)
+        return mukca_fail(error, MUKCA_USAGE, "--sockets: a tool has two or more");
     mukca_capture_settings settings = o->capture;
     settings.n_labels = s->sockets.n;
     settings.labels = (const char *const *)s->sockets.name;
@@ -175,9 +174,8 @@ static mukca_status store(mukca_recorder *r, const mukca_capture_sample *sample,
             c->rows.n_rows);
     if (c->rows.n_rows == MUKCA_CAPTURE_MAX_ROWS)
         return mukca_fail(error, MUKCA_INPUT, "the session is full: begin another one");
-    mukca_status status = mukca_capture_select(c, placement, socket, error);
-    if (status != MUKCA_OK) return status;
-    status = mukca_session_add(&s->file, placement, socket, sample, error);
+    MUKCA_TRY(mukca_capture_select(c, placement, socket, error));
+    mukca_status status = mukca_session_add(&s->file, placement, socket, sample, error);
     if (status == MUKCA_OK) return mukca_capture_keep(remark, c, sample->q, error);
     c->socket = socket_before;
     mukca_sampling_count_unwritten(r, error);
