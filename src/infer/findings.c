@@ -313,9 +313,22 @@ static void leave(mukca_finding_group *g, const mukca_finding_group *chosen, int
     if (g->probability >= MUKCA_FINDING_MAYBE) ask_halves(g, all);
 }
 
+/* Does the group name an effect, in these or other words?  What causes vary with says no more than
+ * the name of one of them that is as sure as a finding. */
+static bool says_name(const mukca_finding_group *g, const groups *all)
+{
+    bool found = is_name(g);
+    for (int i = 0; i < all->posterior->n_labels && !found; i++) {
+        const mukca_label *l = &all->posterior->label[i];
+        found = g->kind == MUKCA_GROUP_FAMILY && l->effect >= 0 && !l->fine &&
+                all->present[i] >= MUKCA_FINDING_SURE && mukca_finding_holds(g, l);
+    }
+    return found;
+}
+
 static bool is_sure(const mukca_finding_group *g, const groups *all)
 {
-    return g->probability >= (is_name(g) ? MUKCA_FINDING_NAMED : MUKCA_FINDING_SURE) &&
+    return g->probability >= (says_name(g, all) ? MUKCA_FINDING_NAMED : MUKCA_FINDING_SURE) &&
            support(g, all->n_halves) > MUKCA_FINDING_STABLE;
 }
 

@@ -182,6 +182,27 @@ TEST(maybe_shares_none)
     assert_int_equal(all, 1);
 }
 
+/* A name that is not sure enough is none in other words either: what its position varies with is
+ * its name again, a stretch with the neighbour's cause in the other sets is not. */
+TEST(name_in_other_words)
+{
+    const int name = label(LOAD, BENDING, 5, 0), neighbour = label(LOAD, COMPLIANCE, 4, 0);
+    label(ANGLE, RIPPLE, 5, 0), label(ANGLE, COMPLIANCE, 5, 0), label(TIME, BASE, 5, 0);
+    add(&p, 0.96, name, -1, 50); /* the other effects at its position are in no set */
+    add(&p, 0.04, neighbour, -1, 50);
+    assert_int_equal(choose_alike(), 1);
+    assert_int_equal(out[0].kind, MUKCA_GROUP_FAMILY);
+    assert_int_equal(out[0].from, 4);
+    assert_int_equal(out[0].to, 5);
+    p.n = 0;
+    add(&p, 0.94, name, -1, 50);
+    add(&p, 0.02, label(LOAD, COMPLIANCE, 5, 0), -1, 50);
+    add(&p, 0.04, neighbour, -1, 50);
+    assert_int_equal(choose_alike(), 1);
+    assert_int_equal(out[0].kind, MUKCA_GROUP_FAMILY);
+    assert_int_equal(out[0].from, 5);
+}
+
 /* A named and an unlisted function of one angle: it varies with that angle. */
 TEST(outside_the_catalogue)
 {
@@ -237,8 +258,8 @@ TEST(thresholds)
         double whole, half;
         int findings, others, kind;
     } cases[] = {
-        {0.991, 0.751, 1, 0, MUKCA_GROUP_EFFECT}, {0.989, 0.751, 1, 0, MUKCA_GROUP_FAMILY},
-        {0.951, 0.751, 1, 0, MUKCA_GROUP_FAMILY}, {0.949, 0.751, 0, 1, MUKCA_GROUP_EFFECT},
+        {0.991, 0.751, 1, 0, MUKCA_GROUP_EFFECT}, {0.989, 0.751, 1, 0, MUKCA_GROUP_PLACE},
+        {0.951, 0.751, 1, 0, MUKCA_GROUP_PLACE},  {0.949, 0.751, 0, 1, MUKCA_GROUP_EFFECT},
         {0.951, 0.749, 0, 1, MUKCA_GROUP_EFFECT}, {0.501, 0.501, 0, 1, MUKCA_GROUP_EFFECT},
         {0.501, 0.301, 0, 0, MUKCA_GROUP_EFFECT}, {0.499, 0.999, 0, 0, MUKCA_GROUP_EFFECT}};
     const int cause = label(LOAD, COMPLIANCE, 2, 0);
