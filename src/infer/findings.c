@@ -297,20 +297,15 @@ static double discounted(const mukca_finding_group *g)
     return 0.5 * (g->probability + (isnan(g->halves) ? 0.5 : g->halves));
 }
 
-/* Leave to the n chosen groups what they have of a group's causes: the others are weighed alone. */
-static void leave(mukca_finding_group *g, const mukca_finding_group *chosen, int n,
-                  const groups *all)
+/* Do n chosen groups have some of a group's causes? */
+static bool shares(const mukca_finding_group *g, const mukca_finding_group *chosen, int n,
+                   const mukca_labelled_sets *p)
 {
     bool shared = false;
-    for (int l = 0; l < all->posterior->n_labels && !shared; l++)
-        for (int i = 0; i < n && !shared; i++)
-            shared = covers(g, &all->posterior->label[l]) &&
-                     covers(&chosen[i], &all->posterior->label[l]);
-    if (!shared) return;
-    g->finer = chosen;
-    g->n_finer = n;
-    g->probability = mukca_finding_probability(g, all->posterior);
-    if (g->probability >= MUKCA_FINDING_MAYBE) ask_halves(g, all);
+    for (int l = 0; l < p->n_labels && !shared; l++)
+        for (int i = 0; i < n && !shared && covers(g, &p->label[l]); i++)
+            shared = covers(&chosen[i], &p->label[l]);
+    return shared;
 }
 
 /* Does the group name an effect, in these or other words?  What causes vary with says no more than
@@ -339,8 +334,15 @@ static int take(mukca_finding_group *out, int n, const groups *all, bool sure)
     const int most = n + MUKCA_MOST_FINDINGS;
     for (int k = 0; k < all->n && n < most; k++) {
         mukca_finding_group g = all->list[k].group;
-        leave(&g, out, n, all);
-        if (sure ? !is_sure(&g, all) : g.n_finer > 0) continue;
+        if (sure && g.probability < MUKCA_FINDING_SURE) continue; /* nor would fewer causes be */
+        const bool shared = shares(&g, out, n, all->posterior);
+        if (shared && !sure) continue;
+        if (shared) {
+            g.finer = out, g.n_finer = n;
+            g.probability = mukca_finding_probability(&g, all->posterior);
+            ask_halves(&g, all);
+        }
+        if (sure && !is_sure(&g, all)) continue;
         if (!sure) g.probability = discounted(&g);
         if (g.probability >= MUKCA_FINDING_MAYBE) out[n++] = g;
     }
