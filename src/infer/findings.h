@@ -18,9 +18,10 @@
 
 /* ---- all constants of the decision ---- */
 
-/* Least posterior probability of a finding, of one that names an effect, and of a group that may be
- * one.  A wrong name is worse than none, and what the error varies with remains to be said: one in
- * a hundred.  No posterior knows the effects that nobody has thought of. */
+/* Least posterior probability of a finding, of one that names an effect (or says what one varies
+ * with that has the probability of a finding), and of a group that may be one.  A wrong name is
+ * worse than none, and a coarser statement remains: one in a hundred.  No posterior knows the
+ * effects that nobody has thought of. */
 #define MUKCA_FINDING_SURE 0.95
 #define MUKCA_FINDING_NAMED 0.99
 #define MUKCA_FINDING_MAYBE 0.5

@@ -38,7 +38,7 @@ ROWS = {"right": "findings of effects of the catalogue that are right",
 def judge(label, answer, n, withheld):
     """(row, hit) of all that a case counts for, and the findings that are wrong."""
     out, true, found = [], findings.truths(label, n), answer["findings"]
-    right = [findings.right(f, true, n) for f in found]
+    right = [findings.right(f, true, n, found) for f in found]
     names = any(f["kind"] == "effect" and not ok for f, ok in zip(found, right))
     wrong = [f for f, ok in zip(found, right) if not ok]
     if withheld:
@@ -54,7 +54,8 @@ def judge(label, answer, n, withheld):
         out.append(("exact", any(ok and findings.exact(f) for f, ok in zip(found, right))))
         if label["kind"] == "mixture" and DETECTABLE <= (3 * label["postures"]) ** 0.5 * min(
                 e["snr"] for e in label["effects"]):
-            out.append(("both", all(any(findings.right(f, [t for t in true if t.cause is e], n)
+            out.append(("both", all(any(findings.right(f, [t for t in true if t.cause is e], n,
+                                                       found)
                                         for f in found) for e in label["effects"])))
     return out, wrong
 

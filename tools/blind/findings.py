@@ -56,8 +56,17 @@ def position(name, n):
     return ends[name] if name in ends else int(re.findall(r"\d+", name)[-1]) - 1
 
 
-def right(finding, true, n):
-    """Does a finding (keys of `diagnose --json`) say what one of these truths is?"""
+def coarseness(finding, n):
+    return (("effect", "family", "tie", "place").index(finding["kind"]),
+            position(finding["to"], n) - position(finding["from"], n))
+
+
+def right(finding, true, n, found=()):
+    """Does a finding (keys of `diagnose --json`) say what one of these truths is?  Beside finer ones
+    of those `found` with it, it speaks of a cause that none of them says."""
+    if finding.get("beside_finer"):
+        finer = [f for f in found if coarseness(f, n) < coarseness(finding, n)]
+        true = [t for t in true if not any(right(f, [t], n) for f in finer)]
     low, high = position(finding["from"], n), position(finding["to"], n)
     for t in true:
         here = t.at is None or low <= t.at <= high

@@ -48,7 +48,7 @@ def judge(label, answer, n):
     out, cause = [], label["effects"][0]
     true = findings.truths(label, n)
     for f in answer["findings"]:
-        if not findings.right(f, true, n):
+        if not findings.right(f, true, n, answer["findings"]):
             continue
         row = [cause["effect"], f["kind"]]
         if cause["effect"] != "socket_distance":

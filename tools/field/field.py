@@ -221,7 +221,7 @@ def figures(a, labels, kept, tasks, name, withheld):
             continue
         joints = findings.joints_of(os.path.join(a.cases, case, "session.tsv"))
         true, said = findings.truths(labels[case], joints), kept[key][name]["findings"]
-        good = [findings.right(f, true, joints) for f in said]
+        good = [findings.right(f, true, joints, said) for f in said]
         beyond = findings.outside(true)
         count("findings right", sum(good), len(said))
         count("right in the catalogue", 0 if beyond else sum(good), 0 if beyond else len(said))
