@@ -327,6 +327,18 @@ static bool is_sure(const mukca_finding_group *g, const groups *all)
            support(g, all->n_halves) > MUKCA_FINDING_STABLE;
 }
 
+/* Does a group explain more than each of the n finer ones, which have some of its causes?  Less may
+ * be what the function of the other's cause does not follow. */
+static bool is_larger(const mukca_finding_group *g, const mukca_finding_group *finer, int n,
+                      const mukca_labelled_sets *p)
+{
+    bool larger = true;
+    for (int i = 0; i < n && larger; i++)
+        larger = !shares(g, &finer[i], 1, p) ||
+                 mukca_finding_share(g, p) > mukca_finding_share(&finer[i], p);
+    return larger;
+}
+
 /* Append to out[n] the finest groups that are sure, each with the causes that those before it have
  * left, or those that may be and share none; returns the new n. */
 static int take(mukca_finding_group *out, int n, const groups *all, bool sure)
@@ -343,6 +355,7 @@ static int take(mukca_finding_group *out, int n, const groups *all, bool sure)
             ask_halves(&g, all);
         }
         if (sure && !is_sure(&g, all)) continue;
+        if (shared && !is_larger(&g, out, n, all->posterior)) continue;
         if (!sure) g.probability = discounted(&g);
         if (g.probability >= MUKCA_FINDING_MAYBE) out[n++] = g;
     }

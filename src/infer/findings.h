@@ -6,9 +6,9 @@
  * Of all such groups that are sure, disjoint ones as fine as possible are chosen (A. Spector,
  * L. Janson, Controlled discovery and localization of signals via Bayesian linear programming,
  * Journal of the American Statistical Association, 2024: the sum of P / coarseness, by a greedy
- * choice, each group without the causes of finer ones).  A group must also have support in halves
- * of the data (R. Shah, R. Samworth, Variable selection with error control, Journal of the Royal
- * Statistical Society B 75, 2013). */
+ * choice, each group without the causes of finer ones, and then larger than they are).  A group
+ * must also have support in halves of the data (R. Shah, R. Samworth, Variable selection with error
+ * control, Journal of the Royal Statistical Society B 75, 2013). */
 #ifndef MUKCA_INFER_FINDINGS_H
 #define MUKCA_INFER_FINDINGS_H
 

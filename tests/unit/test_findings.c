@@ -150,8 +150,8 @@ TEST(exact)
 }
 
 /* What a finer finding leaves: beside the sure cause there is another of the joint's angle, which
- * has one of two names.  If that is sure, too, it is said; else it shares its group with a finding,
- * and is no statement. */
+ * has one of two names.  If that is sure, too, and larger, it is said; else it shares its group with
+ * a finding, or may be what that does not follow of its cause, and is no statement. */
 TEST(left_by_finer)
 {
     const int sure = label(ANGLE, RIPPLE, 2, 0), second = label(ANGLE, BASE, 2, 0),
@@ -165,6 +165,7 @@ TEST(left_by_finer)
     add(&p, 0.5, sure, second, 50);
     add(&p, 0.47, sure, third, 50);
     add(&p, 0.03, sure, -1, 50);
+    for (int i = 0; i < 2; i++) p.product[i][3] = 100;
     assert_int_equal(choose_alike(), 2);
     assert_int_equal(out[0].effect, RIPPLE);
     assert_int_equal(out[1].kind, MUKCA_GROUP_FAMILY);
@@ -174,7 +175,9 @@ TEST(left_by_finer)
     assert_false(mukca_finding_holds(&out[1], &labels[sure]));
     assert_true(mukca_finding_holds(&out[1], &labels[third]));
     const mukca_labelled_sets whole = of(&p);
-    assert_close(mukca_finding_share(&out[1], &whole), 0.97 / 1.97, 1e-12);
+    assert_close(mukca_finding_share(&out[1], &whole), 0.97 * 2 / (0.97 * 2 + 1), 1e-12);
+    for (int i = 0; i < 2; i++) p.product[i][3] = 40;
+    assert_int_equal(choose_alike(), 1);
 }
 
 /* A name that is not sure enough is none in other words either: what its position varies with is
