@@ -3,7 +3,7 @@
 
 usage: exam.py BINARY CASES... [--jobs 1] [-v]
 
-Each folder of generate.py is a column of the table.  A mixture holds two effects of the catalogue
+Each folder of generate.py, or the logs of a tracker in it, is a column of the table.  A mixture holds two effects of the catalogue
 that are both detectable.
 Base compliance and link bending, one function at the first joint, are withheld together.
 Recordings in which a column is of another convention are left out, since they are answered by
@@ -17,10 +17,10 @@ from concurrent.futures import ThreadPoolExecutor
 
 sys.dont_write_bytecode = True
 import findings  # noqa: E402
+from cases import call, share  # noqa: E402
 from causes import DETECTABLE  # noqa: E402
-from results import share  # noqa: E402
-from score import call  # noqa: E402
 
+LOG = ["--free-base", "--free-tool"]
 OTHER_ANSWERS = {"convention", "wrong_socket"}
 SAME = {"base_compliance", "link_bending"}      # one function at the first joint
 ROWS = {"right": "findings of effects of the catalogue that are right",
@@ -88,9 +88,11 @@ def main():
 
     def one(task):
         folder, case, label, withheld = task
-        files = [os.path.join(folder, case, x) for x in ("robot.urdf", "session.tsv")]
-        answer, _, why = call(binary, files,
-                              ["session.tsv"] + (["--without", withheld] if withheld else []))
+        log = os.path.exists(os.path.join(folder, case, "log.tsv"))
+        name = "log.tsv" if log else "session.tsv"
+        files = [os.path.join(folder, case, x) for x in ("robot.urdf", name)]
+        answer, why = call(binary, files, [name] + LOG * log +
+                           (["--without", withheld] if withheld else []))
         if answer is None:
             sys.exit(f"{case}: {why}")
         return judge(label, answer, findings.joints_of(files[1]), bool(withheld))

@@ -63,10 +63,10 @@ def coarseness(finding, n):
 
 def right(finding, true, n, found=()):
     """Does a finding (keys of `diagnose --json`) say what one of these truths is?  Beside finer ones
-    of those `found` with it, it speaks of a cause that none of them says."""
+    of those `found` with it, it speaks of a cause that none of them says, or of one at all joints."""
     if finding.get("beside_finer"):
         finer = [f for f in found if coarseness(f, n) < coarseness(finding, n)]
-        true = [t for t in true if not any(right(f, [t], n) for f in finer)]
+        true = [t for t in true if t.at is None or not any(right(f, [t], n) for f in finer)]
     low, high = position(finding["from"], n), position(finding["to"], n)
     for t in true:
         here = t.at is None or low <= t.at <= high

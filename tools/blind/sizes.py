@@ -20,9 +20,8 @@ from concurrent.futures import ThreadPoolExecutor
 
 sys.dont_write_bytecode = True
 import findings  # noqa: E402
+from cases import call, share  # noqa: E402
 from causes import SINGLE  # noqa: E402
-from results import share  # noqa: E402
-from score import call  # noqa: E402
 
 LINEAR = {"joint_compliance", "link_bending", "base_compliance", "joint_scale", "joint_coupling",
           "approach_hysteresis", "backlash", "zero_jump"}
@@ -106,7 +105,7 @@ def main():
 
     def one(name):
         files = [os.path.join(a.cases, name, x) for x in ("robot.urdf", "session.tsv")]
-        answer, _, why = call(binary, files, ["session.tsv"])
+        answer, why = call(binary, files, ["session.tsv"])
         if answer is None:
             print(name, why, file=sys.stderr)
             return []
