@@ -16,10 +16,10 @@
 
 enum { MOST_SETS = 400 };
 
-/* Number the labels of the items of the last search; label_of[n_kept], -1: outlier. */
-static int number_labels(mukca_label *label, int *label_of, const mukca_search *id)
+/* Number the labels of the items of the last search behind the first n of label[]; label_of[n_kept],
+ * -1: outlier.  Returns the number of labels. */
+static int number_labels(mukca_label *label, int n, int *label_of, const mukca_search *id)
 {
-    int n = 0;
     for (int i = 0; i < id->n_kept; i++) {
         const mukca_candidate *h = &id->all.list[id->kept[i]];
         label_of[i] = -1;
@@ -166,15 +166,18 @@ typedef struct {
     mukca_labelled_sets half[MUKCA_HALVES];
 } half_posteriors;
 
-/* The last search with labels, and its halves. */
+/* The last search with labels, and its halves (NULL: none).  Labels of a search before it, in
+ * *whole, keep their numbers: the halves are of the first one. */
 static mukca_status label_search(mukca_labelled_search *whole, half_posteriors *parts,
                                  mukca_pool *pool, mukca_search *id, mukca_error *error)
 {
-    mukca_label *label = MUKCA_TAKE(pool, mukca_label, id->n_kept + 1);
+    const mukca_labelled_sets before = whole->posterior;
+    mukca_label *label = MUKCA_TAKE(pool, mukca_label, before.n_labels + id->n_kept + 1);
     *whole = (mukca_labelled_search){.posterior = {.label = label},
                                      .label_of = MUKCA_TAKE(pool, int, id->n_kept + 1)};
     if (pool->failed) return no_memory(error);
-    whole->posterior.n_labels = number_labels(label, whole->label_of, id);
+    for (int i = 0; i < before.n_labels; i++) label[i] = before.label[i];
+    whole->posterior.n_labels = number_labels(label, before.n_labels, whole->label_of, id);
     for (int h = 0; h < MUKCA_HALVES && parts; h++) parts->half[h] = whole->posterior;
     if (!label_whole(&whole->posterior, pool, id, whole->label_of)) return no_memory(error);
     if (!parts) return MUKCA_OK;
