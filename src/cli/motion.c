@@ -4,6 +4,7 @@
 
 #include "base/number.h"
 #include "cli/cli.h"
+#include "io/drives.h"
 #include "io/export.h"
 #include "math/stats.h"
 #include "mukca/version.h"
@@ -55,6 +56,7 @@ static mukca_status read_by_joint(double *values, cli_call *call, const char *op
                                   const char *list)
 {
     const mukca_chain *chain = &call->session->model.chain;
+    const bool given = list != NULL;
     for (int j = 0; j < MUKCA_MAX_JOINTS; j++) values[j] = (double)NAN;
     char name[MUKCA_NAME_SIZE + 40];
     while (mukca_text_item(name, sizeof name, &list)) {
@@ -66,6 +68,10 @@ static mukca_status read_by_joint(double *values, cli_call *call, const char *op
                             "--%s: '%.60s' is not JOINT=NUMBER with a joint of the chain", option,
                             name);
     }
+    for (int j = 0; j < chain->n_joints && given; j++)
+        if (!isfinite(values[j]))
+            return cli_fail(call, MUKCA_USAGE, "--%s: no value for %s; give one for each joint",
+                            option, mukca_chain_joint_name(chain, j));
     return MUKCA_OK;
 }
 
@@ -82,7 +88,7 @@ static mukca_status disable(bool *disabled, cli_call *call, const char *list)
     return MUKCA_OK;
 }
 
-static mukca_status read_runs(cli_call *call, mukca_run *run, mukca_run_options *o)
+static mukca_status read_runs(cli_call *call, mukca_run *run, const mukca_run_options *o)
 {
     const cli_list *lists[] = {&((const motion_options *)call->options)->reference,
                                &call->arguments, &call->common->test};
@@ -97,6 +103,10 @@ static mukca_status read_runs(cli_call *call, mukca_run *run, mukca_run_options 
             const mukca_status status =
                 mukca_run_load(next, &call->pool, path, chain, o, &call->error);
             if (status != MUKCA_OK) return status;
+            if (next->current != run[0].current)
+                return cli_fail(
+                    call, MUKCA_INPUT, "%s has motor currents, %s torques; give runs of one kind",
+                    (next->current ? next : run)->name, (next->current ? run : next)->name);
         }
     return MUKCA_OK;
 }
@@ -225,7 +235,9 @@ static mukca_status run(cli_call *call)
                                    &model->chain, &call->error);
     if (status == MUKCA_OK) status = read_runs(call, runs, &how);
     if (status != MUKCA_OK) return status;
-    w->input.current = how.current;
+    w->input.current = runs[0].current;
+    w->input.progress = cli_show_progress;
+    w->input.progress_context = call;
     if (o->report) w->input.view = view;
     status = mukca_motion_analyse(&w->motion, &w->input, &call->error);
     if (status == MUKCA_OK && call->common->output)

@@ -7,13 +7,13 @@
 
 #include "base/file.h"
 #include "base/list.h"
-#include "io/export.h"
 
 typedef struct {
     mukca_rows rows;
-    mukca_run_options *options;
+    const mukca_run_options *options;
     mukca_run_rows samples;
-    bool commands; /* efforts are computed from commanded angles */
+    bool commands; /* efforts are computed from commanded angles, */
+    bool current;  /* or are motor currents */
 } reader;
 
 /* Recorded velocities differ from the derivative of the angles by more than noise and filters of
@@ -28,8 +28,9 @@ static void check_columns(reader *r)
     const mukca_chain *chain = r->rows.chain;
     const mukca_row_columns *c = &r->rows.column;
     const mukca_run_options *o = r->options;
-    r->commands = c->number[MUKCA_COLUMN_EFFORT][0] < 0 &&
-                  c->number[MUKCA_COLUMN_COMMAND][0] >= 0 && isfinite(o->stiffness[0]);
+    r->commands = isfinite(o->stiffness[0]) && c->number[MUKCA_COLUMN_EFFORT][0] < 0 &&
+                  c->number[MUKCA_COLUMN_COMMAND][0] >= 0;
+    r->current = !r->commands && (o->current || r->rows.has_current);
     if (c->number[MUKCA_COLUMN_TIME][0] < 0)
         mukca_table_fail(t, -1, "no column time_s: a run needs the time of each row, s");
     if (r->rows.by_command)
@@ -43,7 +44,7 @@ static void check_columns(reader *r)
                              "no column %s.effort (torque, N m) or %s.current (A); record the "
                              "efforts of the joint states",
                              name, name);
-        else if (r->commands ? !isfinite(o->stiffness[j]) : o->current && !isfinite(o->gain[j]))
+        else if (r->commands ? !isfinite(o->stiffness[j]) : r->current && !isfinite(o->gain[j]))
             mukca_table_fail(t, -1, "no %s of %s; give --%s %s=VALUE",
                              r->commands ? "position gain" : "torque constant", name,
                              r->commands ? "kp" : "current-gain", name);
@@ -78,7 +79,7 @@ static void read_rows(reader *r)
             s[1 + j] = row.q[j];
             s[1 + n + j] = row.velocity[j];
             s[1 + 2 * n + j] = r->commands ? o->stiffness[j] * (row.command[j] - row.q[j])
-                                           : row.effort[j] * (o->current ? o->gain[j] : 1);
+                                           : row.effort[j] * (r->current ? o->gain[j] : 1);
         }
         const double fell = mukca_run_rows_add(&r->samples, s, n);
         if (fell > 0)
@@ -143,7 +144,8 @@ mukca_status mukca_run_rows_take(mukca_run *run, mukca_pool *pool, const mukca_r
 }
 
 mukca_status mukca_run_read(mukca_run *run, mukca_pool *pool, const char *path,
-                            const mukca_chain *chain, mukca_run_options *o, mukca_error *error)
+                            const mukca_chain *chain, const mukca_run_options *o,
+                            mukca_error *error)
 {
     reader *r = MUKCA_TAKE(pool, reader, 1);
     if (!r) return mukca_fail(error, MUKCA_MEMORY, "out of memory for %s", mukca_file_shown(path));
@@ -153,8 +155,8 @@ mukca_status mukca_run_read(mukca_run *run, mukca_pool *pool, const char *path,
     mukca_status status = mukca_rows_open(&r->rows, path, chain, &options, error);
     snprintf(run->name, sizeof run->name, "%.60s", mukca_file_name(path));
     if (status == MUKCA_OK) {
-        o->current |= r->rows.has_current;
         check_columns(r);
+        run->current = r->current;
         read_rows(r);
         if (r->rows.table.status == MUKCA_OK)
             status = mukca_run_rows_take(run, pool, &r->samples, chain, o);
@@ -166,50 +168,4 @@ mukca_status mukca_run_read(mukca_run *run, mukca_pool *pool, const char *path,
     }
     free(r->samples.sample);
     return status;
-}
-
-/* ---- friction of the joints ---- */
-
-static void read_attribute(double *value, const mukca_export_tag *tag, const char *name)
-{
-    double number = *value;
-    if (mukca_export_read_numbers(&number, 1, tag, name) && number >= 0) *value = number;
-}
-
-/* Joint of a tag by its name; -1: none of the chain. */
-static int find_joint(const mukca_export_tag *tag, const mukca_chain *chain)
-{
-    size_t start, stop;
-    if (!mukca_export_find_attribute(&start, &stop, tag, "name")) return -1;
-    for (int j = 0; j < chain->n_joints; j++)
-        if (mukca_export_same_name(mukca_chain_joint_name(chain, j), tag->at + start, stop - start))
-            return j;
-    return -1;
-}
-
-mukca_status mukca_drives_read(mukca_drives *d, const char *path, const mukca_chain *chain,
-                               mukca_error *error)
-{
-    char *text;
-    const mukca_status status = mukca_file_read(&text, path, error);
-    double usual[3] = {0, 0, 0}; /* of a MuJoCo model's <default> */
-    int joint = -1;
-    memset(d, 0, sizeof *d);
-    if (status != MUKCA_OK) return status;
-    for (mukca_export_tag tag = {.at = text}; mukca_export_next_tag(&tag, NULL);) {
-        double *of[3] = {&usual[0], &usual[1], &usual[2]};
-        const bool is_joint = mukca_export_is_tag(&tag, "joint"),
-                   is_urdf = mukca_export_is_tag(&tag, "dynamics");
-        if (is_joint) joint = find_joint(&tag, chain);
-        if (!is_joint && !(is_urdf && joint >= 0)) continue;
-        if (joint >= 0) {
-            of[0] = &d->coulomb[joint], of[1] = &d->viscous[joint], of[2] = &d->armature[joint];
-            for (int k = 0; k < 3 && is_joint; k++) *of[k] = usual[k];
-        }
-        read_attribute(of[0], &tag, is_urdf ? "friction" : "frictionloss");
-        read_attribute(of[1], &tag, "damping");
-        read_attribute(of[2], &tag, "armature");
-    }
-    free(text);
-    return MUKCA_OK;
 }

@@ -1,4 +1,4 @@
-/* Runs of a moving arm from tables, and the friction of its joints from a URDF or MuJoCo model. */
+/* Runs of a moving arm from tables. */
 #ifndef MUKCA_IO_RUNS_H
 #define MUKCA_IO_RUNS_H
 
@@ -7,18 +7,17 @@
 
 typedef struct {
     mukca_rows_format format;
-    bool current; /* JOINT.effort contains motor currents */
+    bool current; /* efforts are motor currents: JOINT.effort, or of joint states */
     /* [n_joints] N m/A; N m/rad, effort = gain (command - angle) where no effort is; NaN: none */
     double gain[MUKCA_MAX_JOINTS], stiffness[MUKCA_MAX_JOINTS];
     mukca_notes notes;
 } mukca_run_options;
 
 /* Read a table of times, joint angles and efforts (or currents) into run->time, q and effort, whose
- * memory comes from `pool`.  options->current is set if they are currents.  Rows without all
- * numbers, and rows that repeat a time, are dropped with a note.  Errors: MUKCA_INPUT,
- * MUKCA_MEMORY. */
+ * memory comes from `pool`, and run->current.  Rows without all numbers, and rows that repeat a
+ * time, are dropped with a note.  Errors: MUKCA_INPUT, MUKCA_MEMORY. */
 mukca_status mukca_run_read(mukca_run *run, mukca_pool *pool, const char *path,
-                            const mukca_chain *chain, mukca_run_options *options,
+                            const mukca_chain *chain, const mukca_run_options *options,
                             mukca_error *error);
 
 /* Rows of a run as they are read.  Zeroed: none. */
@@ -36,10 +35,5 @@ double mukca_run_rows_add(mukca_run_rows *rows, const double *row, int n_joints)
  * the derivative of the angles.  Errors: MUKCA_MEMORY, without a message. */
 mukca_status mukca_run_rows_take(mukca_run *run, mukca_pool *pool, const mukca_run_rows *rows,
                                  const mukca_chain *chain, const mukca_run_options *options);
-
-/* Read friction, damping and armature of the joints: attributes of a MuJoCo model's joints, or the
- * URDF's <dynamics>.  Joints without them have none.  Errors: MUKCA_INPUT, MUKCA_MEMORY. */
-mukca_status mukca_drives_read(mukca_drives *drives, const char *path, const mukca_chain *chain,
-                               mukca_error *error);
 
 #endif

@@ -6,7 +6,6 @@
 #include "motion/findings.h"
 
 typedef struct {
-    const mukca_torque_posterior *p;
     const mukca_torques *t;
     double rows[MUKCA_MAX_JOINTS], square[MUKCA_MAX_JOINTS]; /* summed squared errors of a model */
 } evaluated;
@@ -94,7 +93,7 @@ bool mukca_torque_held_out(mukca_motion *m, const mukca_torque_posterior *p)
 {
     mukca_pool pool = {0};
     const mukca_torques *t = p->search->t;
-    evaluated e = {.p = p, .t = t};
+    evaluated e = {.t = t};
     double gain[MUKCA_MOST_FINDINGS] = {0};
     mukca_torque_columns c = columns_of(&pool, m, p, false, -1);
     mukca_torque_columns value = mukca_torque_columns_take(&pool, 1);

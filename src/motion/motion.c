@@ -138,6 +138,35 @@ static void summarise(mukca_motion *m, const mukca_torques *t)
     }
 }
 
+static mukca_status watch(const mukca_motion_input *in, double share, mukca_error *error)
+{
+    if (!in->progress || in->progress(in->progress_context, share, "comparing sets of effects"))
+        return MUKCA_OK;
+    return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted");
+}
+
+static mukca_status analyse(mukca_motion *m, mukca_torque_search *search, mukca_signals *signals,
+                            mukca_pool *pool, mukca_pool *products, mukca_error *error)
+{
+    mukca_torques *t = search->t;
+    const mukca_motion_input *in = t->input;
+    MUKCA_TRY(prepare(t, signals, pool, error));
+    for (int pass = 0; pass == 0 || (pass == 1 && search->loads); pass++) {
+        if (pass) memcpy(t->model.load, t->point.load, sizeof t->model.load); /* as was found */
+        mukca_torque_search_free(search);
+        mukca_pool_free(products);
+        MUKCA_TRY(watch(in, 0.1 + 0.3 * pass, error));
+        MUKCA_TRY(mukca_raw_products_make(t->part, products, &t->model, error));
+        if (!mukca_items_list(&t->items, &search->columns, in, &t->model, &t->point))
+            return mukca_fail(error, MUKCA_MEMORY, "out of memory for the effects");
+        MUKCA_TRY(mukca_torque_search_run(search, pool, error));
+    }
+    MUKCA_TRY(watch(in, 0.7, error));
+    MUKCA_TRY(mukca_torque_findings(m, search, error));
+    summarise(m, t);
+    return MUKCA_OK;
+}
+
 mukca_status mukca_motion_analyse(mukca_motion *m, const mukca_motion_input *in, mukca_error *error)
 {
     mukca_pool pool = {0}, products = {0};
@@ -145,30 +174,12 @@ mukca_status mukca_motion_analyse(mukca_motion *m, const mukca_motion_input *in,
     mukca_torques *t = MUKCA_TAKE(&pool, mukca_torques, 1);
     mukca_torque_search search = {.t = t};
     *m = (mukca_motion){.n_joints = in->chain->n_joints};
-    mukca_status status =
-        t ? MUKCA_OK : mukca_fail(error, MUKCA_MEMORY, "out of memory for the analysis");
-    if (status == MUKCA_OK) {
-        t->input = in;
-        t->n = in->chain->n_joints;
-        t->reference = has_role(in, MUKCA_RUN_REFERENCE);
-        t->test = has_role(in, MUKCA_RUN_TEST);
-        status = prepare(t, &signals, &pool, error);
-    }
-    bool again = false;
-    do { /* once more with the load that was found */
-        mukca_torque_search_free(&search);
-        mukca_pool_free(&products);
-        if (status == MUKCA_OK)
-            status = mukca_raw_products_make(t->part, &products, &t->model, error);
-        if (status == MUKCA_OK &&
-            !mukca_items_list(&t->items, &search.columns, in, &t->model, &t->point))
-            status = mukca_fail(error, MUKCA_MEMORY, "out of memory for the effects");
-        if (status == MUKCA_OK) status = mukca_torque_search_run(&search, &pool, error);
-        again = !again && status == MUKCA_OK && search.loads;
-        if (again) memcpy(t->model.load, t->point.load, sizeof t->model.load);
-    } while (again);
-    if (status == MUKCA_OK) status = mukca_torque_findings(m, &search, error);
-    if (status == MUKCA_OK) summarise(m, t);
+    if (!t) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the analysis");
+    t->input = in;
+    t->n = in->chain->n_joints;
+    t->reference = has_role(in, MUKCA_RUN_REFERENCE);
+    t->test = has_role(in, MUKCA_RUN_TEST);
+    const mukca_status status = analyse(m, &search, &signals, &pool, &products, error);
     mukca_torque_search_free(&search);
     mukca_pool_free(&products);
     mukca_pool_free(&pool);

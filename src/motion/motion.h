@@ -23,6 +23,7 @@ typedef struct {
     int n;
     double *time;       /* [n] s */
     double *q, *effort; /* [n][n_joints] rad, N m */
+    bool current;       /* its efforts were motor currents */
 } mukca_run;
 
 /* Friction and inertia of the drives, about the joint, as the model has them; 0: none. */
@@ -47,6 +48,8 @@ typedef struct {
     bool current;            /* torques are motor currents times a nominal gain, uncertain by
                                 MUKCA_CURRENT_GAIN */
     mukca_motion_view *view; /* or NULL */
+    bool (*progress)(void *context, double share, const char *doing); /* or NULL; false: stop */
+    void *progress_context;
     mukca_notes notes;
 } mukca_motion_input;
 
@@ -118,7 +121,7 @@ typedef struct {
 } mukca_motion;
 
 /* Errors: MUKCA_INPUT (the efforts have the wrong sign), MUKCA_UNIDENTIFIABLE (no motion, too
- * little of it, one direction only), MUKCA_MEMORY. */
+ * little of it, one direction only), MUKCA_INTERRUPTED, MUKCA_MEMORY. */
 mukca_status mukca_motion_analyse(mukca_motion *motion, const mukca_motion_input *input,
                                   mukca_error *error);
 

@@ -65,7 +65,7 @@ mukca_line_kind mukca_joint_lines_parse(mukca_lcm_joints *joints, mukca_joint_li
 /* Read a run of a moving arm from a log of lcm-logger, from these lines, or else from a table by
  * mukca_run_read (run_states.c).  Errors: MUKCA_INPUT, MUKCA_MEMORY. */
 mukca_status mukca_run_load(mukca_run *run, mukca_pool *pool, const char *path,
-                            const mukca_chain *chain, mukca_run_options *options,
+                            const mukca_chain *chain, const mukca_run_options *options,
                             mukca_error *error);
 
 #endif

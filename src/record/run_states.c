@@ -22,7 +22,8 @@ typedef struct {
     mukca_status status; /* of the first failure */
     mukca_error *error;
     int64_t first;      /* us, of the first state */
-    bool efforts;       /* some state has what efforts are made of */
+    bool efforts;       /* some state has what efforts are made of, */
+    bool current;       /* motor currents */
     int states, others; /* of the arm; without all of its joints */
     char channel[MUKCA_LCM_CHANNEL_SIZE];
 } reader;
@@ -62,6 +63,7 @@ static bool add(reader *r, const mukca_lcm_joints *s, int64_t time)
                                                              : (double)NAN;
     }
     r->efforts |= commands || s->has[MUKCA_LCM_ROLE_EFFORT];
+    r->current |= s->has[MUKCA_LCM_ROLE_EFFORT] && o->current;
     r->states++;
     const double fell = mukca_run_rows_add(&r->rows, row, n);
     if (fell > 0 && r->status == MUKCA_OK)
@@ -139,7 +141,8 @@ static bool is_message(const char *text)
 }
 
 mukca_status mukca_run_load(mukca_run *run, mukca_pool *pool, const char *path,
-                            const mukca_chain *chain, mukca_run_options *o, mukca_error *error)
+                            const mukca_chain *chain, const mukca_run_options *o,
+                            mukca_error *error)
 {
     char head[256] = "";
     reader r = {.chain = chain, .options = o, .path = path, .error = error};
@@ -152,6 +155,7 @@ mukca_status mukca_run_load(mukca_run *run, mukca_pool *pool, const char *path,
     if (file >= 0) close(file);
     if (!log && !lines) return mukca_run_read(run, pool, path, chain, o, error);
     snprintf(run->name, sizeof run->name, "%.60s", mukca_file_name(path));
+    run->current = r.current;
     if (r.status == MUKCA_OK && !r.states)
         r.status =
             mukca_fail(error, MUKCA_INPUT, "%s: no joint state has all %d joints of the arm%s",

@@ -1,6 +1,7 @@
 /* Runs of a moving arm, and drives of a model: read to the end or to an error of one line; times
  * rise, numbers are finite. */
 #include "../unit/arms.h"
+#include "io/drives.h"
 #include "memory_file.h"
 #include "record/joint_lines.h"
 

@@ -15,6 +15,8 @@ sed '1,/^time_s/s/\.effort/.current/g' new.tsv >current.tsv
 refuse 3 "give --current-gain joint_1=VALUE" motion --urdf motion.urdf current.tsv
 answer 'viscous friction at joint_3' motion --urdf motion.urdf current.tsv \
     --current-gain joint_1=1,joint_2=1,joint_3=1,joint_4=1,joint_5=1,joint_6=1,joint_7=1
+refuse 3 "current.tsv has motor currents, new.tsv torques" motion --urdf motion.urdf current.tsv --test new.tsv \
+    --current-gain joint_1=1,joint_2=1,joint_3=1,joint_4=1,joint_5=1,joint_6=1,joint_7=1
 awk 'NR % 500 == 0 { print } { print }' new.tsv >repeated.tsv
 accept "rows that repeat a time left out" motion --urdf motion.urdf repeated.tsv
 awk '!/^[0-9]/ || $1 < 12 || $1 > 15' new.tsv >gap.tsv
@@ -23,6 +25,7 @@ accept "cut at 1 gap in time_s" motion --urdf motion.urdf gap.tsv
 refuse 2 "needs RUN" motion --urdf motion.urdf
 refuse 2 "there is no effect 'wind'" motion --urdf motion.urdf new.tsv --without wind
 refuse 2 "is not JOINT=NUMBER" motion --urdf motion.urdf new.tsv --current-gain joint_9=1
+refuse 2 "no value for joint_1" motion --urdf motion.urdf new.tsv --kp joint_2=100
 sed '1,/^time_s/s/\.effort/.torque/g' new.tsv >none.tsv
 refuse 3 "no column joint_1.effort" motion --urdf motion.urdf none.tsv
 sed '1,/^time_s/s/time_s/t/' new.tsv >timeless.tsv
