@@ -68,11 +68,18 @@ expect "nothing is named and called untested at once" sh -c "! grep -qi 'not tes
 awk -F'\t' '!/^p[1-9]/ || $1 == "p1"' good.tsv >one.tsv
 run $d one.tsv -v
 expect "with -v: what one placement cannot show" grep -q "one placement only" "$scratch/out"
-simulate --seed 7 --placements 4 --effort --effect joint_compliance:joint_2=4e-5 -o effort.tsv
+simulate --seed 7 --placements 4 --effort --effect joint_compliance:joint_2=4e-5,joint_compliance:joint_4=5e-5 -o effort.tsv
 awk -F'\t' -v OFS='\t' '/^p[1-9]/ { for (i = 11; i <= 17; i++) $i = -$i } { print }' effort.tsv >turned.tsv
 run $d effort.tsv
 expect "good efforts need no word" sh -c "! grep -qi 'measured efforts' '$scratch/out'"
 answer "measured efforts oppose the torques" $d turned.tsv
+# efforts of an arm without masses: as its joints exert them, and with the opposite sign
+answer "^Found   joint compliance at joint_" diagnose --urdf bare.urdf effort.tsv
+expect "no word about the sign of good efforts" sh -c "! grep -q '^Efforts' '$scratch/out'"
+sed -n '/^Found/,/^Rest/p' "$scratch/out" >exerted.txt
+expect "the efforts are the loads of both springs" test "$(grep -c 'joint compliance at joint_[24] ' exerted.txt)" = 2
+answer "^Efforts the sign of the measured efforts was reversed" diagnose --urdf bare.urdf turned.tsv
+expect "the opposite sign: the same findings" sh -c "sed -n '/^Found/,/^Rest/p' '$scratch/out' | cmp - exerted.txt"
 
 # findings: the sum of shares, halves, sizes with intervals
 expect "a finding with its size, share and halves" python3 -c "
