@@ -76,8 +76,6 @@ session '1s/$/\tmood/; 2,$s/$/\tgood/'
 doubt 'bad.tsv: 1 unknown column ignored: mood' calibrate $a bad.tsv
 wrong_session '1s/j3/j2/' "bad.tsv:1: two columns are called 'j2'; rename one"
 wrong_session '4s/\t[^\t]*$/\tfive/' "bad.tsv:4: column 'j3': 'five' is not a finite number"
-wrong_session '4s/\t[^\t]*$/\tnan/' "bad.tsv:4: column 'j3': 'nan' is not a finite number"
-wrong_session '4s/\t[^\t]*$/\tinf/' "bad.tsv:4: column 'j3': 'inf' is not a finite number"
 wrong_session '4s/\t[^\t]*$/\t/' "bad.tsv:4: column 'j3': is empty"
 printf '%s' "$(cat session.tsv)" | sed '$s/\t[^\t]*\t[^\t]*$//' >cut.tsv
 refuse 3 'cut.tsv:13: 3 columns, but 5 in the header; the last line is cut off' calibrate $a cut.tsv
@@ -211,8 +209,6 @@ printf '0,0\n0,0\n' >bad/hole_1.csv
 refuse 3 'bad/hole_1.csv:1: 2 columns, but the chain has 3 joints' calibrate $a bad
 printf '0,0,0\n10,90,45\n' >bad/hole_1.csv
 refuse 3 "bad/hole_1.csv:2: column 2: joint 'j2' is 90, more than two turns" calibrate $a bad
-printf '0;0;0\n0;0;0,0,0\n' >bad/hole_1.csv
-refuse 3 "bad/hole_1.csv:2: column 3: '0,0,0' has a decimal comma" calibrate $a bad
 
 rows 1 4 | tee bad/hole_0.csv bad/hole_1.csv >bad/hole_3.csv
 refuse 3 'bad: no hole_2.csv; .* and so on' calibrate $a bad
@@ -230,7 +226,6 @@ fi
 
 # distances
 refuse 2 'distance 5: must be a number above 0, at most 2, in m' calibrate $a --distance 5 good
-refuse 2 'distance 50mm: must be a number above 0, at most 2, in m' calibrate $a --distance 50mm good
 run simulate $a --seed 1 --rows 20 --placements 2 -o sim.tsv
 doubt 'sockets differs by 30.0' calibrate $a --distance 0.02 sim.tsv
 doubt 'no fixed joint ends the chain at hand' calibrate $a --tip hand good
@@ -256,15 +251,12 @@ awk 'BEGIN { FS = OFS = "\t" } /^p[0-9]/ { if ($2 == 1) next; $2 = n++ % 2 } { p
 doubt "placement 'p9': sockets '0' and '1' coincide within .* mm; .*; their distance is not used" calibrate $a some.tsv
 refuse 3 "coincide within .* mm; both labels may have been recorded in one socket; record them again" diagnose $a one_hole.tsv
 refuse 3 'nix/new.tsv: cannot write: .*; make its folder first' calibrate $a good -o nix/new.tsv
-printf 'socket_a\tsocket_b\tdistance_m\n0\t1\t0\n' >distances.tsv
-refuse 3 "distances.tsv:2: column 'distance_m': 0 is not above 0" calibrate $a --distances distances.tsv good
 refuse 3 'nix.tsv: cannot read' calibrate $a --distances nix.tsv good
 
 # offsets tables
 sed 's/\(urdf_sha256: \)./\1x/' offsets.tsv >other.tsv
-refuse 3 'other.tsv: was made for another URDF' fk $a --offsets other.tsv good/hole_0.csv -o new.tsv
 refuse 3 'session.tsv: no offsets table' export $a --offsets session.tsv -o new.urdf
-refuse 3 'other.tsv: was made for another URDF.*--accept-other-arm' fk $a --offsets other.tsv --force good/hole_0.csv
+refuse 3 'other.tsv: was made for another URDF.*--accept-other-arm' fk $a --offsets other.tsv --force good/hole_0.csv -o new.tsv
 accept 'made for another URDF' fk $a --offsets other.tsv --accept-other-arm good/hole_0.csv
 
 row() { # row SED: the last row of the table, with one thing wrong, behind it
@@ -301,27 +293,6 @@ refuse 2 'cannot both go to -' calibrate $a good -o - --json -
 code=$?
 expect "standard output that is full is told" test "$code $(cat err)" = \
     "6 mukca fk: standard output: cannot write: No space left on device; free some space"
-
-# interrupted in the middle: it reads from a pipe that stays open
-for signal in INT TERM; do
-    mkfifo pipe
-    "$MUKCA" fk $a - -o new.tsv <pipe 2>err &
-    process=$!
-    exec 3>pipe
-    printf '0,0,0\n' >&3
-    for _ in $(seq 100); do # until it has begun to write
-        [ -n "$(find . -name '.new.tsv.*.tmp')" ] && break
-        sleep 0.05
-    done
-    kill -s $signal $process
-    wait $process
-    code=$?
-    exec 3>&-
-    rm pipe
-    expect "interrupted by $signal: exit 130, one line, no file" test \
-        "$code $(cat err) $(find . -name '*new*' | wc -l)" = \
-        "130 mukca fk: interrupted; nothing was written 0"
-done
 
 # the environment's locale and comma decimals change nothing
 "$MUKCA" fk $a --pose good/hole_0.csv >plain.tsv

@@ -68,19 +68,22 @@ printf '# mukca session\nplacement\tsocket\nhalf' >other.tsv
 refuse 3 'other.tsv: other columns' capture --urdf "$demo/arm.urdf" --trigger -q --lcm-url file://log -o other.tsv --resume
 
 # interrupted: at once, also where another program draws, and told as such
-mkfifo targets
-"$MUKCA" compensate $a - -o new.tsv <targets 2>err &
-process=$!
-exec 3>targets
-printf 'j1,j2,j3\n0,0,0\n' >&3
-until [ -n "$(find . -name '.new.tsv.*.tmp')" ] || ! kill -0 $process; do sleep 0.02; done
-kill -s INT $process
-wait $process
-code=$?
-exec 3>&-
-expect "compensate interrupted: exit 130, one line, no file" test \
-    "$code $(grep -v '^mukca: note' err) $(find . -name '*new*' | wc -l)" = \
-    "130 mukca compensate: interrupted; nothing was written 0"
+for each in fk:INT fk:TERM compensate:INT; do
+    mkfifo targets
+    "$MUKCA" "${each%:*}" $a - -o new.tsv <targets 2>err &
+    process=$!
+    exec 3>targets
+    printf 'j1,j2,j3\n0,0,0\n' >&3
+    until [ -n "$(find . -name '.new.tsv.*.tmp')" ] || ! kill -0 $process; do sleep 0.02; done
+    kill -s "${each#*:}" $process
+    wait $process
+    code=$?
+    exec 3>&-
+    rm targets
+    expect "${each%:*} interrupted by ${each#*:}: exit 130, one line, no file" test \
+        "$code $(grep -v '^mukca: note' err) $(find . -name '*new*' | wc -l)" = \
+        "130 mukca ${each%:*}: interrupted; nothing was written 0"
+done
 
 # every command says that standard output could not be written
 for command in "help" "help fk" "help effects" "--version" "help options" "fk $a good/hole_0.csv" \
@@ -88,5 +91,5 @@ for command in "help" "help fk" "help effects" "--version" "help options" "fk $a
     "compensate $a good/hole_0.csv" "plan $a --place p=0.5,0,0.4 --rows 2" "diagnose $a good" "diagnose $a good --json -"; do
     "$MUKCA" $command 2>err >/dev/full
     code=$?
-    expect "a full standard output: $command" test "$code $(grep -c 'standard output: cannot write' err)" = "6 1"
+    expect "a full standard output: $command" test "$code $(grep -c 'standard output: cannot write: No space left on device' err)" = "6 1"
 done

@@ -53,7 +53,6 @@ refuse 2 "must be a whole number, 1 to" simulate --urdf arm.urdf --placements 0
 refuse 2 "held-out needs --test" simulate --urdf arm.urdf --held-out 2
 refuse 2 "two placements have the name 'a'" simulate --urdf arm.urdf --place a --place a
 refuse 2 "needs NAME=X,Y,Z" simulate --urdf arm.urdf --place a=1,2
-refuse 2 "cannot both go to x.tsv" simulate --urdf arm.urdf -o x.tsv --truth x.tsv
 refuse 2 "at and --poses exclude each other" simulate --urdf arm.urdf --at angles.tsv --poses 9
 refuse 3 "does not reach socket 0" simulate --urdf arm.urdf --place far=9,0,0
 refuse 3 "session.tsv" simulate --urdf arm.urdf -o session.tsv
