@@ -26,10 +26,8 @@ for arm in factory sister; do
         --perturb 0.1,0.2 -o $arm.session.tsv
     "$MUKCA" diagnose -q --urdf ur5e.urdf --kinematics $arm.yaml $arm.session.tsv --arm $arm --summary $arm.json
 done
-run fleet -q factory.json sister.json -o ur.traits.tsv
-expect "arms with factory files of their own are a fleet" test $code -eq 0
-run diagnose $ur factory.session.tsv --traits ur.traits.tsv
-expect "and its traits are theirs" grep -q '^Fleet' "$scratch/out"
+expect "arms with factory files of their own are a fleet" "$MUKCA" fleet -q factory.json sister.json -o ur.traits.tsv
+answer '^Fleet' diagnose $ur factory.session.tsv --traits ur.traits.tsv
 
 # calibrated from there, evaluated next to the others, and written back
 "$MUKCA" simulate -q $ur --placements 3 --rows 15 --seed 3 --noise 5e-5 --perturb 0.1,0.2 -o session.tsv --force

@@ -193,8 +193,7 @@ expect "and in JSON" grep -q "\"placement\": *\"$whole\"" whole.json
 awk -v OFS='\t' '{ print $0, NR == 1 ? "payload_kg" : NR == 4 ? -1 : 2 }' session.tsv >bad.tsv
 refuse 3 "bad.tsv:4: column 'payload_kg': -1 is no mass in kg" diagnose $a bad.tsv
 refuse 2 '--payload 1,2,3: give one mass in kg .*, those of --test last' evaluate $a good --test session.tsv --payload 1,2,3
-run evaluate $a good --test session.tsv --payload 1,2
-expect "a mass for the data and one for the test" test $code -eq 0
+expect "a mass for the data and one for the test" "$MUKCA" evaluate $a good --test session.tsv --payload 1,2
 refuse 3 'a payload of 500 kg on an arm of .* kg; payload_kg and --payload are in kg' evaluate --urdf "$root/data/demo/arm.urdf" "$root/data/demo/test.tsv" --payload 500
 
 # folders
@@ -267,8 +266,7 @@ wrong_row() { # SED PATTERN
     refuse 3 "$2" fk $a --offsets bad.tsv good/hole_0.csv
 }
 row ''
-run fk $a --offsets bad.tsv good/hole_0.csv
-expect "an effect's row is taken" test $code -eq 0
+expect "an effect's row is taken" "$MUKCA" fk $a --offsets bad.tsv good/hole_0.csv
 row 's/1e-3/1e300/g'
 refuse 3 "bad.tsv:[0-9]*: column 'calibrated': is larger than any arm's" evaluate $a --offsets bad.tsv good
 wrong_row 's/j2\tjoint_scale/j1\tjoint_coupling/; s/-$/neighbour=-1/' "does not fit the effect at this joint"

@@ -42,14 +42,12 @@ refuse 2 'link.tsv is an input of this command' evaluate $a session.tsv -o link.
 refuse 2 'cannot both go to' evaluate $a good -o new.tsv --json ./new.tsv --force
 refuse 2 'cannot both go to' calibrate $a good -o new.tsv --json good/../new.tsv
 refuse 2 'cannot both go to' simulate $a -o new.tsv --truth ./new.tsv
-run evaluate $a good -o /dev/null --json /dev/null -q
-expect "/dev/null takes all outputs" test $code -eq 0
+expect "/dev/null takes all outputs" "$MUKCA" evaluate $a good -o /dev/null --json /dev/null -q
 
 # as of an unset variable in a script
 refuse 2 '--output needs FILE, and not an empty text' calibrate $a good -o ''
 refuse 2 'an argument is empty' calibrate $a ''
-run help help
-expect "help help is help" test $code -eq 0
+expect "help help is help" "$MUKCA" help help
 
 # recordings
 demo=$root/data/demo

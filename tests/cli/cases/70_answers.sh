@@ -118,12 +118,8 @@ for command in calibrate diagnose; do
         grep -q 'did not move in any sample: joint_5' '$scratch/err'"
 done
 mixed stops 'if (NR > 30 && NR < 45) $9 = 0.123456'
-run diagnose $a stops.tsv
-expect "a joint that reads the same in a part of the recording" \
-    grep -q 'joint_6 reads 0.123456 in rows .* while other joints move' "$scratch/err"
-run evaluate $a zero.tsv
-expect "evaluate names the joint whose zero is a quarter turn off" \
-    grep -q -e "-90 degrees added to joint_2" "$scratch/err"
+doubt 'joint_6 reads 0.123456 in rows .* while other joints move' diagnose $a stops.tsv
+accept "-90 degrees added to joint_2" evaluate $a zero.tsv
 run diagnose $a cycle.tsv
 expect "no hint where no single mix-up explains the data" \
     sh -c "grep -q 'do not fit this arm' '$scratch/out' && ! grep -q 'would agree' '$scratch/out'"
