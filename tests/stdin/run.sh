@@ -123,8 +123,7 @@ refuses "triggers beyond --rows" 0 '^1 sample in .*received, 0' capture --lcm-ur
 rm -f "$dir/bad.tsv"
 bad "LCM's options" 2 '--channel and --type belong to LCM' '' --channel X
 printf "$joints\n0,0,0,0,0,0,0\n" >"$dir/timeless.csv"
-capture --stdin --still -o "$dir/bad.tsv" --force <"$dir/timeless.csv" >"$dir/out" 2>"$dir/said"
-ok "a file without time stamps" grep -q 'standard input:2: no time stamp; a recorded stream needs one' "$dir/said"
-capture states.csv -o "$dir/bad.tsv" >"$dir/out" 2>"$dir/said"
-ok "capture FILE is refused" test $? -eq 2
+refuses "a file without time stamps" 3 'standard input:2: no time stamp; a recorded stream needs one' \
+    capture --stdin --still -o "$dir/bad.tsv" --force <"$dir/timeless.csv"
+refuses "capture FILE is refused" 2 . capture states.csv -o "$dir/bad.tsv"
 exit $failed
