@@ -107,7 +107,6 @@ ok "nor does noise that turns them together" grep -q '"verdict": "none"' "$dir/t
 ok "a row per log and target" test "$(cut -f 2 "$dir/scores" | tr '\n' ' ')" = "placement rows.csv:A rows.csv:B rows.csv:C test.csv:D "
 ok "each below 0.25 mm" awk -F'\t' 'NR > 1 && !($5 < 2.5e-4) { exit 1 }' "$dir/scores"
 run report "$dir/columns.csv" --free-base --test "$dir/test.csv" -o "$dir/targets.html" >"$dir/said" 2>&1
-sed 's/<style.*//; s/<[^>]*>/ /g' "$dir/targets.html" | tr -d '\0' >"$dir/targets.txt"
 for row in 'nominal model=10' 'calibrated geometry=0.25'; do
     ok "report of several targets: ${row%=*}" below \
         "$(sed -n "s/^<tr>.*<td>${row%=*}<.*>\([0-9.]*\)<\/td>$/\1/p; s/.*<td>${row%=*}<.*>\([0-9.]*\)<\/td><\/tr>$/\1/p" "$dir/targets.html" | head -n 1)" "${row#*=}"

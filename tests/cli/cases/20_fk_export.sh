@@ -19,9 +19,6 @@ run export --urdf arm.urdf --offsets offsets.tsv --format yaml
 "$MUKCA" export --urdf arm.urdf --offsets offsets.tsv -o ending.yaml
 expect "the file's ending means a format" cmp "$scratch/out" ending.yaml
 accept "arm.urdf: robot small, base to ball, 3 joints" fk -v --urdf arm.urdf zero.csv
-run compensate --urdf arm.urdf --offsets offsets.tsv --json - zero.csv
-expect "compensate --json - prints JSON alone" \
-    sh -c "grep -q '\"schema\": *\"mukca.compensate/1\"' '$scratch/out' && ! grep -q error_before_m '$scratch/out'"
 "$MUKCA" compensate -q --urdf arm.urdf --offsets offsets.tsv zero.csv -o corrected.tsv
 refuse 3 "were corrected by mukca compensate" compensate --urdf arm.urdf --offsets offsets.tsv corrected.tsv
 accept "no --offsets" compensate --urdf arm.urdf zero.csv

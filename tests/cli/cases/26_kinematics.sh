@@ -38,7 +38,6 @@ expect "evaluate has the factory's errors: calibrated < factory < nominal" awk -
     NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i }
     NR > 1 { if (!($at["mae_m"] < $at["mae_factory_m"] && $at["mae_factory_m"] < $at["mae_nominal_m"])) exit 1 }
     END { if (NR != 4) exit 1 }' scores.tsv
-"$MUKCA" fk $ur --offsets table.tsv rows.csv >calibrated.tsv
 for tip in '' '--tip wrist_3_link'; do
     # shellcheck disable=SC2086
     "$MUKCA" export -q $ur --offsets table.tsv $tip -f kinematics -o own.yaml --force

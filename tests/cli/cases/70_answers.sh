@@ -8,7 +8,6 @@ answer "^  consistency mm, data" evaluate $a "$d" -o scores.tsv
 answer "^Found   joint compliance at joint_4" diagnose $a "$d"
 answer "^12 postures" plan $a --place front=0.45,0,0.05 --rows 12 -o plan.tsv
 answer "^report: page.html" report $a "$d" -o page.html
-"$MUKCA" export $a --offsets offsets.tsv -o calibrated.urdf
 "$MUKCA" simulate $a --poses 500 --seed 1 --perturb 1,2 -o log.tsv
 answer "^Result  the poses contain a calibration" recalibrate $a log.tsv
 printf '0.1\t0.2\t0.3\t-1.5\t0.2\t1.1\t0.4\n' >row.tsv
@@ -32,6 +31,7 @@ apart "consistency mm" evaluate $a "$d" --json -
 apart "^Result" recalibrate $a log.tsv --json -
 apart "postures" plan $a --place front=0.45,0,0.05 --rows 12 --json -
 apart "^1 row" compensate $a --offsets offsets.tsv row.tsv
+apart "^1 row" compensate $a --offsets offsets.tsv row.tsv --json -
 apart "^report: " report $a "$d"
 run diagnose $a "$d" -q
 expect "-q prints nothing" test "$code $(cat "$scratch/out" "$scratch/err")" = "0 "
