@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "math/dense.h"
+#include "math/random.h"
 #include "mukca/chain.h"
 #include "mukca/effect.h"
 
@@ -32,6 +33,19 @@ static inline void make_chain(mukca_chain *chain, const char *types, const doubl
         memcpy(e->xyz, origin[k], sizeof e->xyz);
         memcpy(e->rpy, origin[k] + 3, sizeof e->rpy);
     }
+}
+
+/* Any origin, of some `size` m, and any axis, or (`upright`) that about z. */
+static inline void scatter_element(mukca_element *e, double size, bool upright,
+                                   mukca_random *random)
+{
+    for (int i = 0; i < 3; i++) {
+        e->xyz[i] = size * mukca_random_normal(random);
+        e->rpy[i] = mukca_random_normal(random);
+        e->axis[i] = upright ? i == 2 : mukca_random_normal(random);
+    }
+    const double length = mukca_norm3(e->axis);
+    for (int i = 0; i < 3; i++) e->axis[i] /= length;
 }
 
 /* An effect of one term; joint -1: of none. */

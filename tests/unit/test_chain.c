@@ -1,9 +1,8 @@
 /* Rotations, forward kinematics, Jacobians and gravity moments against each other and against
  * numerical differentiation. */
+#include "arms.h"
 #include "close.h"
 #include "effect/catalogue.h"
-#include "mukca/chain.h"
-#include "mukca/effect.h"
 #include "mukca/gravity.h"
 #include "mukca/version.h"
 
@@ -16,29 +15,18 @@ static double uniform(double lo, double hi)
     return lo + (hi - lo) * (seed >> 8) / 16777216.0;
 }
 
-/* Random chain of n joints with arbitrary axes, a prismatic one and a fixed element inside. */
-static void random_chain(mukca_chain *chain, int n)
+/* Random chain of 7 joints with arbitrary axes, a prismatic one and a fixed element inside. */
+static void random_chain(mukca_chain *chain)
 {
-    memset(chain, 0, sizeof *chain);
+    mukca_random random = mukca_random_seeded(12345);
+    make_chain(chain, "RRFRPRRRF", NULL, "j", 0);
     chain->gravity[2] = -9.80665;
-    for (int k = 0; k < n + 2; k++) {
-        mukca_element *e = &chain->element[k];
-        const int fixed = k == 2 || k == n + 1;
-        e->name[0] = (char)('a' + k);
-        e->type = fixed ? MUKCA_FIXED : k == 4 ? MUKCA_PRISMATIC : MUKCA_REVOLUTE;
-        e->joint = fixed ? -1 : chain->n_joints;
-        if (!fixed) chain->joint_element[chain->n_joints++] = k;
-        double norm = 0;
-        for (int i = 0; i < 3; i++) {
-            e->xyz[i] = uniform(-0.4, 0.4);
-            e->rpy[i] = uniform(-3, 3);
-            e->axis[i] = k % 2 ? uniform(-1, 1) : i == 2 ? (k % 4 ? -1.0 : 1.0) : 0;
-            norm += e->axis[i] * e->axis[i];
-        }
-        for (int i = 0; i < 3; i++) e->axis[i] /= sqrt(norm);
+    for (int k = 0; k < chain->n_elements; k++) {
+        scatter_element(&chain->element[k], 0.2, k % 2 == 0, &random);
+        if (k % 4 == 2) chain->element[k].axis[2] = -1;
         chain->mass[k] = (mukca_mass){k, uniform(0.5, 4), {0.1, uniform(-0.1, 0.1), -0.05}, {0}};
     }
-    chain->n_elements = chain->n_masses = n + 2;
+    chain->n_masses = chain->n_elements;
 }
 
 TEST(rotations)
@@ -89,7 +77,7 @@ TEST(kinematics)
 {
     mukca_chain chain;
     mukca_geometry geometry;
-    random_chain(&chain, 7);
+    random_chain(&chain);
     double theta[6 * MUKCA_MAX_ELEMENTS], q[37][7];
     mukca_chain_theta(theta, &chain);
     mukca_geometry_set(&geometry, &chain, NULL);
@@ -177,7 +165,7 @@ TEST(moments)
 {
     mukca_chain chain;
     mukca_geometry geometry;
-    random_chain(&chain, 7);
+    random_chain(&chain);
     mukca_geometry_set(&geometry, &chain, NULL);
     for (int trial = 0; trial < 10; trial++) {
         double q[7];

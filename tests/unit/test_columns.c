@@ -1,9 +1,9 @@
 /* Every column of the geometry in the diagnosis, against differences of forward kinematics, on
  * random arms of all joint types, with and without a fixed last link. */
+#include "arms.h"
 #include "close.h"
 #include "diagnose/regression.h"
 #include "fit/align.h"
-#include "math/random.h"
 
 enum { ROWS = 16 };
 
@@ -15,36 +15,18 @@ typedef struct {
     bool sockets, oriented, base, tool, per_log, fixed_tip;
 } scene;
 
-static void put_element(mukca_chain *chain, mukca_random *random, mukca_joint_type type)
-{
-    mukca_element *e = &chain->element[chain->n_elements];
-    *e = (mukca_element){.type = type, .joint = -1, .lower = -3, .upper = 3};
-    snprintf(e->name, sizeof e->name, "element_%d", chain->n_elements);
-    const bool upright = mukca_random_below(random, 2);
-    for (int i = 0; i < 3; i++) {
-        e->xyz[i] = 0.3 * mukca_random_normal(random);
-        e->rpy[i] = mukca_random_normal(random);
-        e->axis[i] = upright ? i == 2 : mukca_random_normal(random);
-    }
-    const double length = mukca_norm3(e->axis);
-    for (int i = 0; i < 3; i++) e->axis[i] /= length;
-    if (type != MUKCA_FIXED) {
-        e->joint = chain->n_joints;
-        chain->joint_element[chain->n_joints++] = chain->n_elements;
-    }
-    chain->n_elements++;
-}
-
 static void make_arm(mukca_chain *chain, mukca_random *random, bool fixed_tip)
 {
-    static const mukca_joint_type moving[] = {MUKCA_REVOLUTE, MUKCA_CONTINUOUS, MUKCA_PRISMATIC};
-    memset(chain, 0, sizeof *chain);
-    chain->gravity[2] = -9.80665;
+    char types[16] = "";
     for (int j = 3 + mukca_random_below(random, 4); j > 0; j--) {
-        if (mukca_random_below(random, 3) == 0) put_element(chain, random, MUKCA_FIXED);
-        put_element(chain, random, moving[mukca_random_below(random, 3)]);
+        if (mukca_random_below(random, 3) == 0) strcat(types, "F");
+        strncat(types, &"RCP"[mukca_random_below(random, 3)], 1);
     }
-    if (fixed_tip) put_element(chain, random, MUKCA_FIXED);
+    if (fixed_tip) strcat(types, "F");
+    make_chain(chain, types, NULL, "joint_", 3);
+    chain->gravity[2] = -9.80665;
+    for (int k = 0; types[k]; k++)
+        scatter_element(&chain->element[k], 0.3, mukca_random_below(random, 2), random);
 }
 
 static void random_frame(mukca_frame *frame, mukca_random *random, bool any)

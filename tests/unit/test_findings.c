@@ -150,8 +150,8 @@ TEST(exact)
 }
 
 /* What a finer finding leaves: beside the sure cause there is another of the joint's angle, which
- * has one of two names.  If that is sure, too, and larger, it is said; else it shares its group with
- * a finding, or may be what that does not follow of its cause, and is no statement. */
+ * has one of two names.  If that is sure, too, and larger, it is said; else it shares its group
+ * with a finding, or may be what that does not follow of its cause, and is no statement. */
 TEST(left_by_finer)
 {
     const int sure = label(ANGLE, RIPPLE, 2, 0), second = label(ANGLE, BASE, 2, 0),

@@ -7,7 +7,6 @@
 #include "fit/fit.h"
 #include "fit/poses.h"
 #include "fit/solver.h"
-#include "math/random.h"
 #include "reference_cost.h"
 
 enum { JOINTS = 6, ELEMENTS = 9 };
@@ -26,14 +25,8 @@ static void make_arm(bool upright)
 {
     make_chain(&chain, "RCFPRFCRF", NULL, "joint_", 0);
     for (int k = 0; k < ELEMENTS; k++) {
-        mukca_element *e = &chain.element[k];
-        for (int i = 0; i < 3; i++) {
-            e->xyz[i] = 0.2 * mukca_random_normal(&seeded);
-            e->rpy[i] = mukca_random_normal(&seeded);
-            e->axis[i] = upright ? (i == 2) * (k % 2 ? -1 : 1) : mukca_random_normal(&seeded);
-        }
-        const double length = mukca_norm3(e->axis);
-        for (int i = 0; i < 3; i++) e->axis[i] /= length;
+        scatter_element(&chain.element[k], 0.2, upright, &seeded);
+        if (upright && k % 2) chain.element[k].axis[2] = -1;
     }
     assert_int_equal(chain.n_joints, JOINTS);
 }
