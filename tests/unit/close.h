@@ -86,6 +86,12 @@ static inline int test_run(CMFixtureFunction setup, CMFixtureFunction teardown)
         }                                                                                     \
     } while (0)
 
+#define assert_frame(a, b, tolerance)                                                   \
+    do {                                                                                \
+        for (int i_ = 0; i_ < 3; i_++) assert_close((a)->p[i_], (b)->p[i_], tolerance); \
+        for (int i_ = 0; i_ < 9; i_++) assert_close((a)->R[i_], (b)->R[i_], tolerance); \
+    } while (0)
+
 #define assert_ok(call)                                                \
     do {                                                               \
         if ((call) != MUKCA_OK) fail_msg("%s: %s", #call, error.text); \

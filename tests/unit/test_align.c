@@ -57,12 +57,6 @@ static void measure(const double axis[3], double angle)
                              .socket = p.socket};
 }
 
-static void assert_frame(const mukca_frame *a, const mukca_frame *b, double tolerance)
-{
-    for (int i = 0; i < 9; i++) assert_close(a->R[i], b->R[i], tolerance);
-    for (int i = 0; i < 3; i++) assert_close(a->p[i], b->p[i], tolerance);
-}
-
 /* Exact data: the weak prior on the reach of the target is left, (5 mm / 0.3 m)^2 / 40 of 0.15 m.
  */
 TEST(test_any_turn)

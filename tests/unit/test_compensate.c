@@ -46,12 +46,6 @@ static void random_angles(double *q, mukca_random *random)
     }
 }
 
-static double distance(const double a[3], const double b[3])
-{
-    const double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-    return sqrt(mukca_dot3(d, d));
-}
-
 TEST(random_targets_are_reached)
 {
     mukca_compensator c;
@@ -71,7 +65,8 @@ TEST(random_targets_are_reached)
         mukca_compensation found = mukca_compensate_joints(q, &c, NULL);
         for (int j = 0; j < 7; j++) move[j] = i > 0 ? q[j] - sent[j] : 0;
         mukca_corrected_pose(&reached, &arm, q, &uncorrected); /* with the move as it was made */
-        const double before = distance(raw.p, target.p), after = distance(reached.p, target.p);
+        const double before = mukca_distance3(raw.p, target.p),
+                     after = mukca_distance3(reached.p, target.p);
         assert_close(found.position_before, before, 1e-12);
         assert_close(found.position_error, after, 1e-12);
         if (!(after <= 0.01 * before)) assert_true(found.reach != MUKCA_REACH_OK);

@@ -186,18 +186,25 @@ TEST(everything_is_handed_over)
     mukca_dataset_free(&test);
 }
 
+/* Diagnose; the verdict in JSON, and words on the screen. */
+static json_t *diagnosed_as(const char *verdict, const char *words)
+{
+    diagnose((mukca_diagnose_options){.applied = true});
+    const mukca_diagnosed result = {.diagnosis = d, .chain = &s.chain, .data = &data};
+    char *all = screen(&result);
+    assert_part(all, words);
+    free(all);
+    json_t *root = to_json(&result);
+    assert_string_equal(text(root, "verdict"), verdict);
+    return root;
+}
+
 TEST(noise_is_called_noise)
 {
     simulate(NULL, 11);
-    diagnose((mukca_diagnose_options){.applied = true});
-    const mukca_diagnosed result = {.diagnosis = d, .chain = &s.chain, .data = &data};
-    json_t *root = to_json(&result);
-    assert_string_equal(text(root, "verdict"), "none");
+    json_t *root = diagnosed_as("none", "Nothing beyond the geometry: ");
     assert_true(json_is_null(json_object_get(root, "test")));
     json_decref(root);
-    char *all = screen(&result);
-    assert_part(all, "Nothing beyond the geometry: ");
-    free(all);
 }
 
 /* Rows of nothing: the same keys, the reason in words. */
@@ -207,15 +214,9 @@ TEST(nothing_to_test)
     s.how.rows = 2;
     record_again();
     memset(data.q, 0, (size_t)(data.n_rows * data.n_joints) * sizeof *data.q);
-    diagnose((mukca_diagnose_options){.applied = true});
-    const mukca_diagnosed result = {.diagnosis = d, .chain = &s.chain, .data = &data};
-    json_t *root = to_json(&result);
-    assert_string_equal(text(root, "verdict"), "untestable");
+    json_t *root = diagnosed_as("untestable", "Nothing can be tested: too few different samples");
     assert_int_equal(json_array_size(json_object_get(root, "tested")), MUKCA_EFFECT_COUNT);
     json_decref(root);
-    char *all = screen(&result);
-    assert_part(all, "Nothing can be tested: too few different samples");
-    free(all);
 }
 
 /* The table lacks the causes of a tied verdict that raise the error of test data. */

@@ -71,8 +71,7 @@ TEST(equals_the_program)
         mukca_fk_pose(&expected, &geometry, q, &d);
         mukca_corrected_pose(&T, &model, q, NULL);
         mukca_corrected_position(p, &model, q, NULL);
-        for (int a = 0; a < 3; a++) assert_close(T.p[a], expected.p[a], 1e-12);
-        for (int a = 0; a < 9; a++) assert_close(T.R[a], expected.R[a], 1e-12);
+        assert_frame(&T, &expected, 1e-12);
         for (int a = 0; a < 3; a++) assert_close(p[a], T.p[a], 1e-13);
     }
 }
@@ -190,8 +189,7 @@ TEST(rest_is_the_fixed_point)
         for (int a = 0; a < 3; a++) assert_close(found.base[a], d.base[a], within);
         mukca_fk_pose(&expected, &arm.geometry, q, &d);
         mukca_corrected_pose(&T, &arm, q, &now);
-        for (int a = 0; a < 3; a++) assert_close(T.p[a], expected.p[a], within);
-        for (int a = 0; a < 9; a++) assert_close(T.R[a], expected.R[a], within);
+        assert_frame(&T, &expected, within);
     }
 }
 
@@ -218,8 +216,7 @@ TEST(jacobian_lacks_the_change_of_the_deflection_alone)
         mukca_frame tip, same;
         mukca_corrected_jacobian(J, &tip, &arm, q, &now);
         mukca_corrected_pose(&same, &arm, q, &now);
-        for (int a = 0; a < 9; a++) assert_close(tip.R[a], same.R[a], 1e-13);
-        for (int a = 0; a < 3; a++) assert_close(tip.p[a], same.p[a], 1e-13);
+        assert_frame(&tip, &same, 1e-13);
         for (int j = 0; j < 7; j++) {
             double rate[6] = {0};
             for (int k = 0; k < 4; k++) {

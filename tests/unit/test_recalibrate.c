@@ -167,8 +167,7 @@ TEST(test_split)
     mukca_geometry_set(&parts, &split.chain, NULL);
     mukca_fk_pose(&a, &whole, q, NULL);
     mukca_fk_pose(&b, &parts, q, NULL);
-    for (int i = 0; i < 3; i++) assert_close(a.p[i], b.p[i], 1e-14);
-    for (int i = 0; i < 9; i++) assert_close(a.R[i], b.R[i], 1e-14);
+    assert_frame(&a, &b, 1e-14);
     for (int j = 0; j < 7; j++) { /* a zero is the same turn as the joint's */
         double theta[MUKCA_MAX_FREE], moved[7];
         mukca_chain_theta(theta, &split.chain);
@@ -307,8 +306,8 @@ TEST(test_frames)
 
     /* Positions of the tip, orientations of a link before it. */
     record(&train, RASTER);
+    const double half_turn[9] = {1, 0, 0, 0, -1, 0, 0, 0, -1}; /* the tip's fixed turn */
     for (int i = 0; i < train.n_rows; i++) {
-        const double half_turn[9] = {1, 0, 0, 0, -1, 0, 0, 0, -1}; /* the tip's fixed turn */
         mukca_rotation_from_quaternion(T.R, train.quaternion + 4 * i);
         mukca_mat3_mul(M.R, T.R, half_turn);
         mukca_rotation_to_quaternion(train.quaternion + 4 * i, M.R);
@@ -316,7 +315,6 @@ TEST(test_frames)
     assert_ok(check_log(&check, false));
     assert_int_equal(check.position_element, 7);
     assert_int_equal(check.rotation_element, 6);
-    const double half_turn[9] = {1, 0, 0, 0, -1, 0, 0, 0, -1};
     for (int i = 0; i < 9; i++) assert_close(check.turn[i], half_turn[i], 1e-12);
 }
 

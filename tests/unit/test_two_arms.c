@@ -33,8 +33,7 @@ TEST(exact_sockets_give_the_pose)
     seeded = mukca_random_seeded(1);
     make(0, 1e-4);
     assert_ok(mukca_two_arms_align(&t, s, SOCKETS, NULL));
-    for (int i = 0; i < 9; i++) assert_close(t.pose.R[i], truth.R[i], 1e-12);
-    for (int i = 0; i < 3; i++) assert_close(t.pose.p[i], truth.p[i], 1e-12);
+    assert_frame(&t.pose, &truth, 1e-12);
     assert_close(t.residual_m, 0, 1e-12);
     assert_close(t.scale, 1, 0);
 }
