@@ -1,9 +1,12 @@
 """What the tests of LCM share: a foreign client (PyPI's lcm, types by lcm-gen) that plays an arm."""
 import math
 import os
+import pty
+import select
 import signal
 import subprocess
 import sys
+import termios
 import threading
 import time
 
@@ -19,6 +22,8 @@ import drake  # noqa: E402
 import mukca  # noqa: E402
 
 URDF = os.path.join(ROOT, "data", "demo", "arm.urdf")
+KINDS = {"iiwa": drake.lcmt_iiwa_status, "panda": drake.lcmt_panda_status, "state": drake.lcmt_robot_state,
+         "acme": acme.arm_t}
 HOME = [0.1, 0.4, -0.2, -1.3, 0.3, 1.1, 0.2]
 failed = 0
 
@@ -30,6 +35,11 @@ def check(name, good, said=""):
     print(("ok " if good else "not ok ") + name + ("" if good or not said else ": " + str(said)))
     sys.stdout.flush()
     return good
+
+
+def told(name, answer, code, words=""):
+    """The answer to a command has that code and these words."""
+    return check(name, answer and answer.code == code and words in answer.text, answer and (answer.code, answer.text))
 
 
 def finish():
@@ -142,43 +152,34 @@ class Arm:
     def message(self):
         n, q = len(self.q), self.q
         wiggle = [x + self.noise * math.sin(self.sent * 1.7 + i) for i, x in enumerate(q)]
-        zeros = [0.0] * n
-        if self.kind == "iiwa":
-            m = drake.lcmt_iiwa_status()
-            m.num_joints = n
-            m.joint_position_measured = wiggle
-            m.joint_velocity_estimated = zeros
-            m.joint_position_commanded = q
-            m.joint_position_ipo = q
-            m.joint_torque_measured = [-1.5 * (i + 1) for i in range(n)]
-            m.joint_torque_commanded = zeros
-            m.joint_torque_external = zeros
-        elif self.kind == "panda":
-            m = drake.lcmt_panda_status()
-            m.num_joints = n
-            m.joint_position = wiggle
-            m.joint_position_desired = q
-            for field in ("joint_velocity", "joint_velocity_desired", "joint_acceleration_desired",
-                          "joint_torque_desired", "joint_torque_external"):
-                setattr(m, field, zeros)
-            m.joint_torque = [1.5 * (i + 1) for i in range(n)]
-            m.control_command_success_rate = 1.0
-            m.robot_mode = 1
-            m.robot_utime = self.utime
-            m.control_mode = 1
-        elif self.kind == "state":
-            m = drake.lcmt_robot_state()
-            m.num_joints = n
-            m.joint_name = self.names
-            m.joint_position = wiggle
-        elif self.kind == "acme":
-            m = acme.arm_t()
+        torque = [1.5 * (i + 1) for i in range(n)]
+        m = KINDS[self.kind]()
+        m.utime = self.utime
+        if self.kind == "acme":
             m.n = n
             for name, x in zip(self.names, wiggle):
                 joint = acme.joint_t()
                 joint.name, joint.q = name, x
                 m.joints.append(joint)
-        m.utime = self.utime
+            return m
+        m.num_joints = n
+        for field in m.__slots__:  # arrays that are not set below are 0
+            if getattr(m, field) == []:
+                setattr(m, field, [0.0] * n)
+        if self.kind == "iiwa":
+            m.joint_position_measured = wiggle
+            m.joint_position_commanded = m.joint_position_ipo = q
+            m.joint_torque_measured = [-x for x in torque]
+        elif self.kind == "panda":
+            m.joint_position = wiggle
+            m.joint_position_desired = q
+            m.joint_torque = torque
+            m.control_command_success_rate = 1.0
+            m.robot_mode = m.control_mode = 1
+            m.robot_utime = self.utime
+        elif self.kind == "state":
+            m.joint_name = self.names
+            m.joint_position = wiggle
         return m
 
     def run(self):
@@ -281,6 +282,39 @@ def accepted(client, ask):
         if sample and sample.accepted:
             return sample
     return None
+
+
+class Terminal:
+    """A program at a terminal of its own, which can be stopped (held); .text: its screen so far."""
+
+    def __init__(self, *arguments):
+        self.master, self.slave = pty.openpty()
+        self.before = termios.tcgetattr(self.slave)
+        self.held = False
+        self.start(*arguments)
+        threading.Thread(target=self.read, daemon=True).start()
+
+    def start(self, *arguments):
+        self.text = b""
+        self.p = subprocess.Popen([MUKCA, *arguments], stdin=self.slave, stdout=self.slave, stderr=self.slave,
+                                  start_new_session=True, env=dict(os.environ, TERM="xterm"))
+
+    def read(self):
+        while True:
+            time.sleep(0.02 if self.held else 0)
+            if not self.held and select.select([self.master], [], [], 0.05)[0]:
+                self.text += os.read(self.master, 65536)
+
+    def press(self, keys):
+        os.write(self.master, keys)
+
+    def ended(self):
+        """Its exit code."""
+        try:
+            self.p.wait(10)
+        except subprocess.TimeoutExpired:
+            self.p.kill()
+        return self.p.returncode
 
 
 def robots():

@@ -1,13 +1,11 @@
 """mukca capture with a foreign sender: finding the stream, mapping, triggers, keys."""
 import os
-import pty
-import select
 import signal
 import subprocess
 import termios
 import time
 
-from foreign import Arm, Client, HOME, JOINTS, MUKCA, ROOT, URDF, accepted, check, ended, finish, fresh, said, spawn, stop, table, until
+from foreign import Arm, Client, HOME, JOINTS, MUKCA, ROOT, Terminal, URDF, accepted, check, ended, finish, fresh, said, spawn, stop, table, until
 
 work = fresh("capture")
 count = 0
@@ -21,6 +19,13 @@ def out():
 
 def capture(path, *arguments, **more):
     return spawn("capture", "--urdf", URDF, "-o", path, "--window", "0.1", *arguments, **more)
+
+
+def ends(name, code, words, *arguments):
+    """capture with these arguments ends with that code and these words."""
+    p = capture(out(), "--trigger", *arguments)
+    ended(p)
+    check(name, p.returncode == code and said(p, words), p.said)
 
 
 def posture(i):
@@ -57,15 +62,9 @@ def silence():
 
 def unmapped():
     with Arm("iiwa", HOME, 100, "IIWA_STATUS"):
-        p = capture(out(), "--trigger", "--channel", "IIWA_STATUS")
-        ended(p)
-        check("a mapping by order must be confirmed", p.returncode == 2 and
-              any("--map order" in x for x in p.said), p.said)
+        ends("a mapping by order must be confirmed", 2, "--map order", "--channel", "IIWA_STATUS")
     with Arm("iiwa", HOME + HOME, 100, "IIWA_STATUS"):
-        p = capture(out(), "--trigger", "--channel", "IIWA_STATUS", "--map", "order")
-        ended(p)
-        check("two arms in one message need numbers", p.returncode == 3 and
-              any("--map 8-14" in x for x in p.said), p.said)
+        ends("two arms in one message need numbers", 3, "--map 8-14", "--channel", "IIWA_STATUS", "--map", "order")
 
 
 def finds_by_listening():
@@ -89,20 +88,15 @@ def finds_by_listening():
 
 def two_candidates():
     with Arm("iiwa", HOME, 100, "A"), Arm("panda", HOME, 100, "B"):
-        p = capture(out(), "--trigger")
-        ended(p)
-        check("two streams that fit are not guessed between", p.returncode == 3 and
-              any("choose with --channel" in x for x in p.said), p.said)
+        ends("two streams that fit are not guessed between", 3, "choose with --channel")
 
 
 def unknown_type():
     path, client = out(), Client()
     description = os.path.join(ROOT, "tests", "lcm", "types", "arm_t.lcm")
     with Arm("acme", HOME, 200, "MY_ARM", names=JOINTS) as arm:
-        p = capture(out(), "--trigger", "--channel", "MY_ARM")
-        ended(p)
-        check("an unknown type is told with the way to describe it", p.returncode == 3 and
-              any("--type FILE.lcm --position FIELD" in x for x in p.said), p.said)
+        ends("an unknown type is told with the way to describe it", 3, "--type FILE.lcm --position FIELD",
+             "--channel", "MY_ARM")
         p = capture(out(), "--trigger", "--wait", "3")
         for _ in range(20):  # until it has heard the channel
             client.wait(lambda: False, 0.1)
@@ -110,8 +104,8 @@ def unknown_type():
             if sample and "heard" in sample.text:
                 break
         ended(p)
-        check("without a channel, too", p.returncode == 4 and any(
-            "MY_ARM (unknown type); describe an unknown type with --type" in x for x in p.said), p.said)
+        check("without a channel, too", p.returncode == 4 and
+              said(p, "MY_ARM (unknown type); describe an unknown type with --type"), p.said)
         check("and a trigger says why nothing is recorded", sample and not sample.accepted and
               sample.text.startswith("no session is being recorded: no joint state; heard instead: MY_ARM") and
               "--type FILE.lcm" in sample.text, sample and sample.text)
@@ -142,72 +136,59 @@ def by_itself():
 def keys():
     """A session at a terminal: confirm, add, delete, other socket, next placement, finish."""
     path = out()
-    master, slave = pty.openpty()
-    before = termios.tcgetattr(slave)
-    screen = b""
+    options = ("capture", "--urdf", URDF, "-o", path, "--window", "0.1", "--channel", "IIWA_STATUS")
+    t, seen = None, 0
 
-    def shown(words, seconds=15, other=None):
-        nonlocal screen
-        end = time.monotonic() + seconds
-        while words.encode() not in screen and not (other and other in screen) and time.monotonic() < end:
-            if select.select([master], [], [], 0.05)[0]:
-                screen += os.read(master, 65536)
-        found = words.encode() in screen
-        if found:
-            screen = screen[screen.index(words.encode()) + len(words):]
-        return found
+    def shown(words, other=None):
+        """Whether the words come next on the screen; what is before them counts no more."""
+        nonlocal seen
+        until(lambda: words.encode() in t.text[seen:] or other and other in t.text[seen:], 15)
+        at = t.text.find(words.encode(), seen)
+        seen = seen if at < 0 else at + len(words.encode())
+        return at >= 0
 
     def press(key):
-        nonlocal screen
-        screen = b""
-        os.write(master, key.encode())
+        nonlocal seen
+        seen = len(t.text)
+        t.press(key.encode())
 
-    def add(words):  # again while the arm still moves
-        return until(lambda: press("a") or shown(words, other=b"not recorded"))
+    def does(what, words, key=None):
+        """One line of the outcome: after the key, if there is one, the words come."""
+        if key:
+            press(key)
+        check("keys: " + what, shown(words), t.text[-2000:])
+
+    def adds(what, words):  # again while the arm still moves
+        check("keys: " + what, until(lambda: press("a") or shown(words, other=b"not recorded")), t.text[-2000:])
     with Arm("iiwa", posture(0), 200, "IIWA_STATUS") as arm:
-        environment = dict(os.environ, TERM="xterm")
-        p = subprocess.Popen([MUKCA, "capture", "--urdf", URDF, "-o", path, "--window", "0.1",
-                              "--channel", "IIWA_STATUS", "--placement", "front,left"],
-                             stdin=slave, stdout=slave, stderr=slave, env=environment)
-        check("keys: the mapping is printed and asked about", shown("Is that right?"), screen)
-        press("y\n")
-        check("keys: the view comes", shown("finish"), screen)
-        check("keys: a adds", add("sample 1: placement front, socket 0"), screen)
-        check("keys: the bell rings for it", shown("\a"), screen)
+        t = Terminal(*options, "--placement", "front,left")
+        does("the mapping is printed and asked about", "Is that right?")
+        does("the view comes", "finish", "y\n")
+        adds("a adds", "sample 1: placement front, socket 0")
+        does("the bell rings for it", "\a")
         arm.go(posture(1))
-        press("s")
-        check("keys: s goes to the other socket", shown("now placement front, socket 1"), screen)
-        check("keys: and a adds there", add("sample 2: placement front, socket 1"), screen)
-        press("d")
-        check("keys: d deletes", shown("sample 2 deleted"), screen)
-        press("n")
-        check("keys: n begins the next placement", shown("now placement left, socket 0"), screen)
-        check("keys: a adds to it", add("sample 2: placement left, socket 0"), screen)
-        check("keys: the view counts", shown("1 of 20 \u00b7 placement 2 of 4") and shown("samples      2:"), screen)
+        does("s goes to the other socket", "now placement front, socket 1", "s")
+        adds("and a adds there", "sample 2: placement front, socket 1")
+        does("d deletes", "sample 2 deleted", "d")
+        does("n begins the next placement", "now placement left, socket 0", "n")
+        adds("a adds to it", "sample 2: placement left, socket 0")
+        does("the view counts", "1 of 20 \u00b7 placement 2 of 4")
+        does("and shows the samples", "samples      2:")
         arm.go(posture(2), 3)
         time.sleep(0.3)
-        press("a")
-        check("keys: a moving arm is refused", shown("not recorded: the arm moves"), screen)
-        check("keys: and the bell rings twice", shown("\a") and shown("\a"), screen)
-        press("?")
-        check("keys: ? lists the keys", shown("d delete the last"), screen)
-        press("q")
-        check("keys: q finishes", shown("no placement has two sockets"), screen)
-        p.wait(10)
-        check("keys: exit 0", p.returncode == 0, p.returncode)
-        check("keys: the terminal is as it was", termios.tcgetattr(slave) == before)
-        p = subprocess.Popen([MUKCA, "capture", "--urdf", URDF, "-o", path, "--window", "0.1",
-                              "--channel", "IIWA_STATUS", "--map", "order", "--resume"],
-                             stdin=slave, stdout=slave, stderr=slave, env=environment)
-        check("keys: resumed where it was", shown("1 of 20"),
-              screen)
-        p.send_signal(signal.SIGINT)
+        does("a moving arm is refused", "not recorded: the arm moves", "a")
+        check("keys: and the bell rings twice", shown("\a") and shown("\a"), t.text[-2000:])
+        does("? lists the keys", "d delete the last", "?")
+        does("q finishes", "no placement has two sockets", "q")
+        check("keys: exit 0", t.ended() == 0, t.p.returncode)
+        check("keys: the terminal is as it was", termios.tcgetattr(t.slave) == t.before)
+        seen = 0
+        t.start(*options, "--map", "order", "--resume")
+        does("resumed where it was", "1 of 20")
+        t.p.send_signal(signal.SIGINT)
         shown("--resume continues")
-        p.wait(10)
-        check("keys: interrupted with 130", p.returncode == 130, p.returncode)
-        check("keys: the terminal is as it was after ^C", termios.tcgetattr(slave) == before)
-    os.close(master)
-    os.close(slave)
+        check("keys: interrupted with 130", t.ended() == 130, t.p.returncode)
+        check("keys: the terminal is as it was after ^C", termios.tcgetattr(t.slave) == t.before)
     with open(path) as f:
         text = f.read()
     check("keys: the undone row left its record", "# undone: row 2, placement front, socket 1" in text

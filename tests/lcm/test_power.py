@@ -82,30 +82,28 @@ class Model:
     def __init__(self):
         self.rows, self.session, self.doubt, self.refused = {}, None, None, 0
 
+    def ask(self, client, seconds, verb, *arguments):
+        """A command; whether it was obeyed."""
+        self.doubt = (verb, *arguments)
+        answer = client.command(verb, *arguments, seconds=seconds)
+        if answer:
+            self.doubt = None
+            self.refused += answer.code == 6
+        return answer and answer.code == 0
+
     def step(self, client, seconds):
         """One request; its answer within that time."""
-        self.doubt = None
         chance = random.random()
         if self.session is None or chance < 0.04:
             name = random.choice(("state", "a", "a.offsets", "b"))
-            self.doubt = ("start", name)
-            answer = client.command("start", name, seconds=seconds)
-            if answer:
-                self.doubt = None
-                if answer.code == 0:
-                    self.session = name
-                    self.rows.setdefault(name, [])
-                self.refused += answer.code == 6
+            if self.ask(client, seconds, "start", name):
+                self.session = name
+                self.rows.setdefault(name, [])
             return
         rows = self.rows[self.session]
         if chance < 0.14 and len(rows) > 2:
-            self.doubt = ("delete",)
-            answer = client.command("delete", seconds=seconds)
-            if answer:
-                self.doubt = None
-                if answer.code == 0:
-                    rows.pop()
-                self.refused += answer.code == 6
+            if self.ask(client, seconds, "delete"):
+                rows.pop()
             return
         self.doubt = ("add", client.next)
         sample = client.trigger(str(len(rows) // 50), str(len(rows) % 2), seconds=seconds)

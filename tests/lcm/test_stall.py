@@ -1,13 +1,11 @@
 """A stopped process, a stopped terminal, lines that lag: a sample is of the moment of its request, or refused."""
 import os
-import pty
-import select
 import signal
 import subprocess
 import threading
 import time
 
-from foreign import Arm, Client, HOME, MUKCA, URDF, accepted, check, finish, fresh, mukca, spawn, stop, table
+from foreign import Arm, Client, HOME, Terminal, URDF, accepted, check, finish, fresh, mukca, spawn, stop, table
 
 NETWORK = "udpm://239.255.76.67:7667?recv_buf_size=%d"
 ROUNDS = 20 if os.environ.get("MUKCA_LONG") else 3
@@ -64,47 +62,11 @@ def stopped(verb, rate, buffer):
         stop(p)
 
 
-class Terminal:
-    """capture at a terminal of its own, which can be stopped."""
-
-    def __init__(self, path):
-        self.master, slave = pty.openpty()
-        self.text, self.held, self.running = b"", False, True
-        self.p = subprocess.Popen([MUKCA, "capture", *OPTIONS, "-o", path], stdin=slave, stdout=slave, stderr=slave,
-                                  start_new_session=True, env=dict(os.environ, TERM="xterm"))
-        os.close(slave)
-        self.thread = threading.Thread(target=self.read, daemon=True)
-        self.thread.start()
-
-    def read(self):
-        while self.running:
-            if not self.held and select.select([self.master], [], [], 0.05)[0]:
-                try:
-                    self.text += os.read(self.master, 65536)
-                except OSError:
-                    return
-            elif self.held:
-                time.sleep(0.02)
-
-    def press(self, keys):
-        os.write(self.master, keys)
-
-    def end(self):
-        self.press(b"q")
-        try:
-            self.p.wait(10)
-        except subprocess.TimeoutExpired:
-            self.p.kill()
-        self.running = False
-        self.thread.join()
-        os.close(self.master)
-
-
 def terminal():
     """Ctrl-S; and keys after SIGSTOP."""
     path, client = os.path.join(fresh("stall_terminal"), "s.tsv"), Client()
     with Arm("iiwa", HOME, 1000, "IIWA_STATUS") as arm:
-        t = Terminal(path)
+        t = Terminal("capture", *OPTIONS, "-o", path)
         client.wait_stream()
         check("terminal: a sample before", stand(client, arm, HOME))
         t.press(b"\x13")
@@ -138,8 +100,8 @@ def terminal():
             column = table(path)[0].index("joint_1")
             wrong = [row[column] for row in table(path)[1][n:] if abs(float(row[column]) - posture(2 * k + 3)[0]) > 0.01]
             check("terminal: a key after a stop records no earlier posture", not wrong, wrong)
-        t.end()
-        check("terminal: ends", t.p.returncode == 0, t.text[-300:])
+        t.press(b"q")
+        check("terminal: ends", t.ended() == 0, t.text[-300:])
 
 
 def lines():
