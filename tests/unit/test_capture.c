@@ -235,6 +235,7 @@ static const char *keep(double x, double y, double angle)
 TEST(remarks_name_what_is_odd)
 {
     double rms, last, coverage[3];
+    mukca_capture_advice advice;
     assert_int_equal(mukca_capture_keep(text, &capture, (const double[]){0, 0, 0}, &error),
                      MUKCA_INPUT);
     assert_ok(mukca_capture_select(&capture, "front", "0", &error));
@@ -251,8 +252,13 @@ TEST(remarks_name_what_is_odd)
     assert_string_equal(mukca_capture_next_label(&capture), "1");
     assert_ok(mukca_capture_select(&capture, "front", "1", &error));
     assert_string_equal(mukca_capture_next_label(&capture), "0");
-    assert_part(keep(0.601, 0.2, 0.9), "is the ball really in socket 1?");
-    mukca_capture_drop(&capture);
+    for (int i = 0; i < 6; i++) { /* the ball stays while the label changes: noticed once */
+        const char *said =
+            strstr(keep(0.601, 0.2, 0.9 + 0.1 * i), "is the ball really in socket 1?");
+        assert_int_equal(said != NULL, i == 0);
+        assert_ok(mukca_capture_advise(&advice, &capture, &error));
+    }
+    for (int i = 0; i < 6; i++) mukca_capture_drop(&capture);
     assert_string_equal(keep(0.65, 0.2, 0.9), "");
     assert_part(keep(0.6, 0.2, 0.7), "looks like socket 0");
     assert_int_equal(capture.rows.n_rows, 8);

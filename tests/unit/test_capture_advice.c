@@ -143,27 +143,4 @@ TEST(advice_is_what_comes_true)
     assert_true(2 * helped_no_more > ends);
 }
 
-/* The ball stays in one socket while the label changes. */
-TEST(two_labels_of_one_socket_are_noticed)
-{
-    static operator_ o;
-    static mukca_capture capture;
-    const mukca_capture_settings settings = {0};
-    mukca_capture_advice advice;
-    char text[MUKCA_CAPTURE_TEXT];
-    make_chain(&o.chain, "RRRRRRRF", origins, "A", 2.9);
-    o.random = mukca_random_seeded(5);
-    perturb(&o, 1e-3);
-    place(&o, 0.3);
-    assert_int_equal(mukca_capture_init(&capture, &o.chain, NULL, &settings, &error), 0);
-    for (int i = 0; i < 12; i++) {
-        mukca_capture_select(&capture, "p", i < 6 ? "0" : "1", &error);
-        assert_true(seat(&o, 0, 0));
-        assert_int_equal(mukca_capture_keep(text, &capture, o.q, &error), 0);
-        assert_int_equal(mukca_capture_advise(&advice, &capture, &error), 0);
-        assert_true((strstr(text, "is the ball really") != NULL) == (i == 6));
-    }
-    mukca_capture_free(&capture);
-}
-
 TEST_MAIN(NULL, NULL)
