@@ -92,7 +92,7 @@ def spawn(*arguments, **more):
 def serve(state, *more, heard=None, urdf=URDF, channel="IIWA_STATUS", window="0.05", **environment):
     """mukca serve; with a client, `heard`, once it reports a stream."""
     p = spawn("serve", "--urdf", urdf, "--channel", channel, "--map", "order", "--state", state,
-              "--window", window, *more, env=dict(os.environ, **environment))
+              "--window", window, *more, start_new_session=True, env=dict(os.environ, **environment))
     if heard:
         heard.wait_stream()
     return p

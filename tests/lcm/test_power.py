@@ -9,7 +9,7 @@ import signal
 import subprocess
 import time
 
-from foreign import Arm, BUILD, Client, MUKCA, ROOT, URDF, check, ended, finish, fresh, mukca, spawn, stop, table
+from foreign import Arm, BUILD, Client, MUKCA, ROOT, check, finish, fresh, mukca, serve, stop, table
 
 ROUNDS = 100 if os.environ.get("MUKCA_LONG") else 8
 SHIM = os.path.join(BUILD, "lcm", "fault.so")
@@ -140,11 +140,6 @@ class Model:
         return wrong
 
 
-def serve(state, **environment):
-    return spawn("serve", "--urdf", URDF, "--channel", "IIWA_STATUS", "--map", "order", "--state", state, "--window",
-                 "0.02", "--accept", "all", start_new_session=True, env=dict(os.environ, **environment))
-
-
 def mended(state):
     """The torn rest of rows goes when serve resumes; the others are as they were left."""
     for name in os.listdir(os.path.join(state, "sessions")) if os.path.isdir(os.path.join(state, "sessions")) else ():
@@ -175,7 +170,7 @@ def rounds(kind, client):
             break
         more = {"kill": {}, "cut": {"LD_PRELOAD": SHIM, "FAULT_DISK": disk},
                 "sync": {"LD_PRELOAD": SHIM, "FAULT": "fsync:%d" % random.randint(1, 60)}}[kind]
-        p = serve(state, **more)
+        p = serve(state, "--accept", "all", window="0.02", **more)
         model.refused = 0
         if not client.wait_stream():
             early = p.poll()

@@ -7,7 +7,7 @@ import subprocess
 import xml.etree.ElementTree
 
 import foreign
-from foreign import Arm, Client, MUKCA, check, finish, fresh, mukca, robots, stop, table, take
+from foreign import Arm, Client, MUKCA, check, finish, fresh, mukca, robots, stop, table, take, told
 
 NAME, KIND, _, CHANNEL, URDF, ROWS = robots()[-1]
 ROWS = [ROWS[i * len(ROWS) // 24] for i in range(24)]
@@ -32,9 +32,7 @@ def the_whole_job(client, arm, state):
     for verb, arguments, code in (("start", ("../x",), 2), ("start", ("a b",), 2), ("dance", (), 2),
                                   ("delete", ("x",), 2), ("add", (), 1), ("delete", (), 1),
                                   ("socket", (), 1), ("calibrate", (), 1), ("finish", (), 1)):
-        answer = client.command(verb, *arguments)
-        check("without a session, %s %s: code %d" % (verb, " ".join(arguments), code),
-              answer and answer.code == code, say_code(answer))
+        told("without a session, %s %s: code %d" % (verb, " ".join(arguments), code), client.command(verb, *arguments), code)
     status, refused = (os.path.join(state, "%s.json" % name) for name in ("status", "refused"))
     shown = send("status", "--json", status)
     with open(status) as f:
@@ -52,8 +50,7 @@ def the_whole_job(client, arm, state):
     check("an empty session calibrates to an error in words", answer.code == 3 and answer.text,
           say_code(answer))
     check("rows are taken", len(take(client, arm, ROWS[:20])) == 20, p.said[-3:])
-    answer = client.command("delete")
-    check("delete", answer.code == 0 and "sample 20 deleted" in answer.text, say_code(answer))
+    told("delete", client.command("delete"), 0, "sample 20 deleted")
     check("and again", len(take(client, arm, ROWS[19:20])) == 1)
     client.command("placement", "elsewhere")
     client.command("socket", "1")

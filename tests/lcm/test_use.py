@@ -3,7 +3,7 @@ import os
 import random
 import shutil
 
-from foreign import Arm, Client, HOME, ROWS, check, finish, fresh, mukca, serve, stop, take
+from foreign import Arm, Client, HOME, ROWS, check, finish, fresh, mukca, serve, stop, take, told
 
 DEFAULT = "start,add,trigger,socket,placement,finish,calibrate,diagnose,result"
 
@@ -59,13 +59,10 @@ def main():
         check("use: nothing to use", client.command("use").code == 1)
         client.command("start", "good")
         check("good: samples", len(take(client, arm, good)) == len(good))
-        answer = client.command("calibrate")
-        check("good: accepted, and says what to do", answer.code == 0 and "`use` puts it into use" in answer.text,
-              answer.text)
+        told("good: accepted, and says what to do", client.command("calibrate"), 0, "`use` puts it into use")
         check("a result publishes no pose", pose(client, arm) is None and client.command("result").code == 1)
         check("use of another session is refused", client.command("use", "evil").code == 1)
-        answer = client.command("use", "good")
-        check("use", answer.code == 0 and "good.offsets.tsv" in answer.text, answer.text)
+        told("use", client.command("use", "good"), 0, "good.offsets.tsv")
         first = pose(client, arm)
         check("poses follow", first is not None)
 
@@ -77,16 +74,13 @@ def main():
         p = serve(state, "--publish-pose", "--accept", DEFAULT + ",use", heard=client)
         distance = moved(first, pose(client, arm))
         check("bad table: its pose", distance > 3, (distance, p.said))
-        answer = client.command("use")
-        check("bad table: the good one is taken", answer.code == 0 and "good.offsets.tsv" in answer.text, answer.text)
+        told("bad table: the good one is taken", client.command("use"), 0, "good.offsets.tsv")
         check("bad table: poses follow", moved(first, pose(client, arm)) < 0.01)
 
         for name, rows in (("evil", evil), ("still", still)):
             result, used = session(client, arm, name, rows)
-            check(name + ": calibrate does not pass", result.code == 1 and "not accepted" in result.text,
-                  (result.code, result.text))
-            check(name + ": use is refused with the reason", used.code == 3 and "did not pass" in used.text,
-                  (used.code, used.text))
+            told(name + ": calibrate does not pass", result, 1, "not accepted")
+            told(name + ": use is refused with the reason", used, 3, "did not pass")
             check(name + ": the pose stays", moved(first, pose(client, arm)) < 0.01)
             check(name + ": the table in use stays", "good.offsets" in client.command("result").text)
         # a table that says of itself that it passed, and moves the tip: judged anew
@@ -98,9 +92,7 @@ def main():
             table = turned(good_table, offset, forged)
             with open(path, "w") as f:
                 f.write(table)
-            answer = client.command("use")
-            check("a change of %g rad is refused" % offset, answer.code == code and text in answer.text,
-                  (answer.code, answer.text))
+            told("a change of %g rad is refused" % offset, client.command("use"), code, text)
         # the same in one's own session: the file in use is a copy
         shutil.copy(path, os.path.join(state, "results", "good.offsets.tsv"))
         stop(p, 9)
@@ -108,8 +100,7 @@ def main():
         check("after kill -9 the last accepted table is in use", moved(first, pose(client, arm)) < 0.01, p.said)
         stop(p)
         p = serve(state, "--publish-pose", heard=client)
-        answer = client.command("use")
-        check("use must be named in --accept", answer.code == 1 and "naming use" in answer.text, answer.text)
+        told("use must be named in --accept", client.command("use"), 1, "naming use")
         stop(p)
         lines = [line for line in open(os.path.join(state, "in_use.tsv")) if not line.startswith(("# accepted", "# digest"))]
         with open(os.path.join(state, "in_use.tsv"), "w") as f:
