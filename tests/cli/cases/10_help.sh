@@ -9,10 +9,8 @@ refuse 2 "unknown command 'effect'; did you mean help effects?" help effect
 refuse 2 "serve has no command 'statsu'; did you mean status?" send statsu
 refuse 2 "no effect is called 'joint_complience'; did you mean joint_compliance?" diagnose --expect joint_complience x
 refuse 2 "no effect is called 'lag'" diagnose --without backlash,lag x
-refuse 2 "mukca fk: unknown option --urfd; did you mean --urdf?" fk --urfd x
 refuse 2 "mukca fk: --urdf needs FILE" fk --urdf
 refuse 2 "mukca fk: --urdf FILE is needed" fk
-refuse 2 "must be one of urdf, yaml, c" export --format ymal
 run
 if [ $code -eq 2 ] && grep -q 'Start with' "$scratch/err" && [ ! -s "$scratch/out" ]; then
     pass "mukca alone says where to start"

@@ -40,6 +40,7 @@ wrong_urdf 's/<axis xyz="0 0 1"\/>/<axis xyz="0 0 1"\/><mimic joint="j2"\/>/' "b
 refuse 3 "has no link 'bal' (--tip); did you mean ball?" calibrate $a --tip bal good
 refuse 3 "has no link 'wrist' (--base); links: ball, base, fore, hand, upper" calibrate $a --base wrist good
 refuse 3 "link 'upper' (--tip) is not below 'fore' (--base); the ends below it are ball" calibrate $a --tip upper --base fore good
+# a --base that is a leaf beside the arm, as 'base' of a UR's URDF
 sed 's/<link name="base"\/>/<link name="base_link"\/><link name="base"\/>/; s/link="base"/link="base_link"/
     s/<\/robot>/<joint name="b" type="fixed"><parent link="base_link"\/><child link="base"\/><\/joint><\/robot>/' arm.urdf >bad.urdf
 refuse 3 "link 'ball' (--tip) is not below 'base' (--base), and no link is; for this tip give --base base_link\$" \
@@ -123,16 +124,6 @@ for option in --free-base --free-tool --inverse-poses "--rotation XYZ"; do
     refuse 2 "${option% XYZ} is for pose logs" diagnose $a good $option
 done
 refuse 2 "inverse-poses is for pose logs" evaluate $a good --inverse-poses
-# a --base that is a leaf beside the arm, as 'base' of a UR's URDF
-cat >leaf.urdf <<'END'
-<robot name="r"><link name="base_link"/><link name="base"/><link name="arm"/><link name="tool0"/>
-<joint name="f" type="fixed"><parent link="base_link"/><child link="base"/></joint>
-<joint name="j1" type="revolute"><parent link="base_link"/><child link="arm"/><axis xyz="0 0 1"/>
-<limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
-<joint name="t" type="fixed"><parent link="arm"/><child link="tool0"/><origin xyz="0.1 0 0"/></joint></robot>
-END
-refuse 3 "leaf.urdf: link 'tool0' (--tip) is not below 'base' (--base), and no link is; for this tip give --base base_link" \
-    fk --urdf leaf.urdf --base base --tip tool0
 # names with control characters are refused, those of files are shown without
 escape=$(printf '\033]0;x\007')
 wrong_session "2,\$s/^p/p$escape/" "bad.tsv:2: column 'placement': is not UTF-8, or has control characters"

@@ -62,9 +62,6 @@ simulate --motion 10 --rate 50 --seed 1 --runs 2 --truth effects.tsv -o runs.tsv
 expect "two runs have their rows" test "$(grep -vc '^[#t]' runs.tsv)" -eq 1002
 expect "time, angles, efforts" test "$(grep -m 1 time_s runs.tsv | wc -w)" -eq 15
 expect "the truth names effect, joint and unit" grep -q 'viscous	joint_3	damping	N\*m\*s/rad	2	0	1' effects.tsv
-run simulate --urdf arm.urdf --motion 10 --rate 50 --seed 1 --runs 2 \
-    --effect payload=0.5,viscous:joint_3=2,stribeck:joint_2=1
-expect "the same seed gives the same runs" cmp runs.tsv "$scratch/out"
 refuse 2 "motion and --poses exclude each other" simulate --urdf arm.urdf --motion 9 --poses 9
 refuse 2 "rate needs --motion" simulate --urdf arm.urdf --rate 100
 sed '/<inertial>/,/<.inertial>/d' arm.urdf >weightless.urdf

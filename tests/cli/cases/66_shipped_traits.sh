@@ -1,21 +1,6 @@
 # data/traits: read with the masses of data/inertials for an arm of that geometry and any tool.
 {
-    echo '<robot name="any"><link name="panda_link0"/>'
-    previous=0
-    while read -r joint roll x y z; do
-        echo "<link name=\"panda_link$joint\"/><joint name=\"panda_joint$joint\" type=\"revolute\">
-<parent link=\"panda_link$previous\"/><child link=\"panda_link$joint\"/><axis xyz=\"0 0 1\"/>
-<origin xyz=\"$x $y $z\" rpy=\"$roll 0 0\"/><limit lower=\"-2.8\" upper=\"2.8\" effort=\"87\" velocity=\"2\"/></joint>"
-        previous=$joint
-    done <<'JOINTS'
-1 0 0 0 0.333
-2 -1.5707963267948966 0 0 0
-3 1.5707963267948966 0 -0.316 0
-4 1.5707963267948966 0.0825 0 0
-5 -1.5707963267948966 -0.0825 0.384 0
-6 1.5707963267948966 0 0 0
-7 1.5707963267948966 0.088 0 0
-JOINTS
+    sed '/<inertial>/,/<\/inertial>/d; /panda_hand_joint/,$d' "$root/data/panda/arm.urdf"
     echo '<link name="probe"/><joint name="mount" type="fixed"><parent link="panda_link7"/><child link="probe"/>
 <origin xyz="0.03 0.01 0.2"/></joint></robot>'
 } >panda.urdf
