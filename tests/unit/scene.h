@@ -38,15 +38,21 @@ static inline void set_scene(scene *s, const char *text, uint64_t seed)
     s->arm.n_effects = s->hidden.n_effects;
 }
 
-static inline void record(mukca_dataset *data, const scene *s)
+/* At the first n places. */
+static inline void record_at(mukca_dataset *data, const scene *s, int n)
 {
     const mukca_simulated_session session = {.arm = &s->arm,
                                              .places = s->places,
-                                             .n_places = PLACES,
+                                             .n_places = n,
                                              .faults = s->hidden.faults,
                                              .n_faults = s->hidden.n_faults,
                                              .options = &s->how};
     assert_ok(mukca_simulate_sockets(data, &session, &error));
+}
+
+static inline void record(mukca_dataset *data, const scene *s)
+{
+    record_at(data, s, PLACES);
 }
 
 #endif

@@ -35,14 +35,20 @@ FIXTURE(scratch_teardown)
     return scratch_remove(scratch_folder);
 }
 
-/* Write bytes to a file of that name in the folder (made where the name has one); its path. */
-static inline const char *scratch_bytes(const char *name, const char *bytes, size_t length)
+/* Path of a file of that name in the folder; eight are kept. */
+static inline char *scratch_path(const char *name)
 {
     static char path[8][256];
     static int next;
     char *p = path[next++ % 8];
     snprintf(p, sizeof path[0], "%s/%s", scratch_folder, name);
-    char *slash = strrchr(p, '/');
+    return p;
+}
+
+/* Write bytes to a file of that name in the folder (made where the name has one); its path. */
+static inline const char *scratch_bytes(const char *name, const char *bytes, size_t length)
+{
+    char *p = scratch_path(name), *slash = strrchr(p, '/');
     *slash = '\0';
     mkdir(p, 0777);
     *slash = '/';

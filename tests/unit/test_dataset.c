@@ -39,15 +39,12 @@ static mukca_status load_text(const char *text, const mukca_rows_format *format)
 /* A folder of the published kind; its path. */
 static const char *folder(const char *name, const char *hole_0, const char *hole_1)
 {
-    static char path[4][128];
-    static int next;
     char file[128];
-    snprintf(path[next % 4], sizeof path[0], "%s/%s", scratch_folder, name);
     snprintf(file, sizeof file, "%s/hole_0.csv", name);
     scratch_file(file, hole_0);
     snprintf(file, sizeof file, "%s/hole_1.csv", name);
     if (hole_1) scratch_file(file, hole_1);
-    return path[next++ % 4];
+    return scratch_path(name);
 }
 
 /* Two revolute joints, z and y, links of 0.3 and 0.2 m. */
@@ -237,9 +234,7 @@ TEST(folders_of_placements_are_read)
     folder("lab/high", "0,0\n1,1\n", "0,1\n1,0\n");
     folder("lab/back", "0,2\n1,2\n", "0,-1\n1,-2\n");
     folder("lab/half", "2,2\n1,-2\n", NULL);
-    char path[128];
-    snprintf(path, sizeof path, "%s/lab", scratch_folder);
-    assert_ok(load_one(path, NULL));
+    assert_ok(load_one(scratch_path("lab"), NULL));
     assert_int_equal(data.n_rows, 8);
     assert_int_equal(data.n_placements, 2);
     assert_string_equal(data.placements[0].name, "back");

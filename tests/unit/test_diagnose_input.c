@@ -129,11 +129,7 @@ TEST(one_placement)
 {
     simulate(NULL, 4);
     mukca_dataset_free(&data);
-    assert_ok(mukca_simulate_sockets(
-        &data,
-        &(mukca_simulated_session){
-            .arm = &s.arm, .places = s.places, .n_places = 1, .options = &s.how},
-        &error));
+    record_at(&data, &s, 1);
     check_diagnosis();
     assert_int_equal(d->verdict, MUKCA_VERDICT_NONE);
     assert_says(why(MUKCA_EFFECT_ZERO_JUMP, -1), "record a second one");

@@ -234,9 +234,8 @@ TEST(test_file)
     make_summary(&a, 1, TRUE_MEAN, 1e-5, &random);
     for (int o = 0; o < MUKCA_FLEET_ORDERS; o++) a.ripple[1][o] = (int16_t)(o * 165 - 32767);
     a.model.geometry = UINT64_C(0xfedcba9876543210);
-    const char *path = scratch_bytes("a.json", "", 0);
-    FILE *stream = fopen(path, "w");
-    assert_non_null(stream);
+    const char *path;
+    FILE *stream = scratch_create(&path, "a.json");
     assert_ok(mukca_summary_write(stream, &a, &error));
     fclose(stream);
     assert_ok(mukca_summary_read(&f, path, &error));

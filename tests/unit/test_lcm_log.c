@@ -1,27 +1,15 @@
 /* Event logs of liblcm are read; damage is skipped, and a log that is cut ends. */
-#include <unistd.h>
-
 #include <lcm/lcm.h>
 
-#include "close.h"
 #include "lcm/link.h"
+#include "scratch.h"
 
-static char path[] = "/tmp/mukca_test_log_XXXXXX";
-
-FIXTURE(setup)
-{
-    int fd = mkstemp(path);
-    return fd < 0 || close(fd);
-}
-
-FIXTURE(teardown)
-{
-    return unlink(path);
-}
+static const char *path;
 
 static void write_log(int n)
 {
     char arm[] = "ARM", other[] = "A+B", data[40];
+    path = scratch_file("log", "");
     lcm_eventlog_t *log = lcm_eventlog_create(path, "w");
     assert_non_null(log);
     for (int i = 0; i < n; i++) {
@@ -88,4 +76,4 @@ TEST(a_log_cut_while_it_is_read_ends)
     mukca_lcm_log_close(&log);
 }
 
-TEST_MAIN(setup, teardown)
+TEST_MAIN(scratch_setup, scratch_teardown)

@@ -7,13 +7,6 @@
 
 static mukca_output output;
 
-static const char *in_folder(const char *name)
-{
-    static char path[128];
-    snprintf(path, sizeof path, "%s/%s", scratch_folder, name);
-    return path;
-}
-
 static int count_files(void)
 {
     int n = 0;
@@ -32,7 +25,7 @@ static void check_content(const char *path, const char *wanted)
 
 TEST(files_appear_when_they_are_whole)
 {
-    const char *path = in_folder("out");
+    const char *path = scratch_path("out");
     assert_ok(mukca_output_check(path, false, &error));
     assert_int_equal(count_files(), 0);
     assert_ok(mukca_output_open(&output, path, false, &error));
@@ -42,7 +35,7 @@ TEST(files_appear_when_they_are_whole)
     check_content(path, "hello");
     assert_int_equal(count_files(), 1);
     /* one that came meanwhile is another's result */
-    const char *late = in_folder("late");
+    const char *late = scratch_path("late");
     assert_ok(mukca_output_open(&output, late, false, &error));
     fputs("mine", output.stream);
     scratch_file("late", "theirs");
@@ -50,7 +43,7 @@ TEST(files_appear_when_they_are_whole)
     check_content(late, "theirs");
     assert_int_equal(count_files(), 2);
     unlink(late);
-    path = in_folder("out");
+    path = scratch_path("out");
     /* a second one needs force; given up half-way it leaves the old one */
     assert_refused(mukca_output_open(&output, path, false, &error),
                    "exists already; --force overwrites it");
@@ -75,7 +68,7 @@ TEST(links_stay_links)
 {
     char real[128];
     snprintf(real, sizeof real, "%s", scratch_file("real", "old"));
-    const char *link = in_folder("link");
+    const char *link = scratch_path("link");
     assert_int_equal(symlink(real, link), 0);
     assert_ok(mukca_output_open(&output, link, true, &error));
     fputs("new", output.stream);

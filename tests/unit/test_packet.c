@@ -59,13 +59,7 @@ static datagram *cut(uint32_t sequence, unsigned number)
     uint32_t offset = number ? (uint32_t)(first + (number - 1) * PAYLOAD) : 0;
     size_t bytes = number ? PAYLOAD : first;
     if (offset + bytes > LARGE) bytes = LARGE - offset;
-    fragment f = {.sequence = sequence,
-                  .size = LARGE,
-                  .offset = offset,
-                  .number = number,
-                  .n = 4,
-                  .bytes = bytes};
-    return make_fragment(channel, &f);
+    return make_fragment(channel, &(fragment){sequence, LARGE, offset, number, 4, bytes});
 }
 
 static mukca_lcm_reassembly r;

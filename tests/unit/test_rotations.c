@@ -133,14 +133,12 @@ static void write_pose(FILE *file, const mukca_frame *T, writing w)
 /* A log of rows that turn the tool, after `still` that do not, in frames of a tracker. */
 static const char *write_log(writing w, const char *turned, int still)
 {
-    static char path[128];
+    const char *path;
     mukca_geometry geometry;
     mukca_frame tracker = {.p = {2, -1, 0.5}}, target = {.p = {0.03, 0.02, 0.1}};
     mukca_rotation_exp(tracker.R, (double[]){0.4, -0.3, 1.2});
     mukca_rotation_exp(target.R, (double[]){-0.8, 0.5, 0.3});
-    snprintf(path, sizeof path, "%s/log.csv", scratch_folder);
-    FILE *file = fopen(path, "w");
-    assert_non_null(file);
+    FILE *file = scratch_create(&path, "log.csv");
     mukca_geometry_set(&geometry, &chain, NULL);
     fprintf(file, "j1,j2,j3,j4,j5,j6,x_m,y_m,z_m,%s\n", turned);
     for (int i = -still; i < ROWS; i++) {
@@ -215,10 +213,10 @@ TEST(a_long_log_is_checked_to_its_end)
 /* A tool that keeps its orientation says nothing of the convention. */
 TEST(few_orientations_decide_nothing)
 {
-    const char *path = write_log(XYZ, "roll,pitch,yaw", 100);
-    char line[512], part[160];
-    snprintf(part, sizeof part, "%s/part.csv", scratch_folder);
-    FILE *from = fopen(path, "r"), *to = fopen(part, "w");
+    const char *part;
+    char line[512];
+    FILE *from = fopen(write_log(XYZ, "roll,pitch,yaw", 100), "r");
+    FILE *to = scratch_create(&part, "part.csv");
     for (int i = 0; i < 100 && fgets(line, sizeof line, from); i++) fputs(line, to);
     fclose(from), fclose(to);
     assert_int_equal(load(part, NULL, false), MUKCA_OK);

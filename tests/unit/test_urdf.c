@@ -141,6 +141,7 @@ TEST(sha256_is_the_files)
 
 #define TWO(inside) \
     "<robot name='r'>\n<link name='a'/><link name='b'/><link name='c'/>\n" inside "</robot>"
+#define LONG "xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx"
 #define AB JOINT("j", "revolute", "a", "b", LIMIT)
 #define BC JOINT("k", "fixed", "b", "c", "")
 
@@ -160,11 +161,7 @@ TEST(traps_get_one_clear_line)
         {TWO(AB JOINT("k", "fixed", "b", "z", "")), "child link [z] of joint [k] not found"},
         {TWO(AB JOINT("j", "fixed", "b", "c", "")), "joint 'j' is not unique"},
         {TWO(JOINT("j", "fixed", "a", "b", "") BC), "no joint moves between 'a' and 'c'"},
-        {TWO(AB BC "<link name='"
-                   "xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx"
-                   "'/>" JOINT(
-                       "l", "fixed", "c",
-                       "xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx", "")),
+        {TWO(AB BC "<link name='" LONG "'/>" JOINT("l", "fixed", "c", LONG, "")),
          "is longer than 63 characters"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
