@@ -4,7 +4,8 @@
 # tests/docs.  Skipped where Slurm cannot be started, and says why.
 set -u
 cd "$(dirname "$0")/.." || exit 1
-MUKCA=${MUKCA:-$PWD/build/mukca}
+# shellcheck source=tests/ok.bash
+. tests/ok.bash
 skip() {
     echo "SKIPPED fleet_jobs: $1"
     exit 77
@@ -13,8 +14,7 @@ for program in munged slurmctld slurmd sbatch; do
     PATH=$PATH:/usr/sbin:/sbin command -v $program >/dev/null || skip "no $program (Debian: slurm-wlm munge)"
 done
 [ "$(id -u)" -eq 0 ] || skip "not root"
-PATH=${MUKCA%/*}:$PATH:/usr/sbin:/sbin
-dir=$(mktemp -d)
+PATH=${mukca%/*}:$PATH:/usr/sbin:/sbin
 chmod 755 "$dir"
 daemons=
 stop() {
@@ -48,10 +48,6 @@ SlurmdPidFile=$dir/slurmd.pid
 SlurmctldLogFile=$dir/slurmctld.log
 SlurmdLogFile=$dir/slurmd.log
 ProctrackType=proctrack/linuxproc
-TaskPlugin=task/none
-SwitchType=switch/none
-MpiDefault=none
-JobAcctGatherType=jobacct_gather/none
 SelectType=select/cons_tres
 SelectTypeParameters=CR_Core
 ReturnToService=2
@@ -94,20 +90,9 @@ for _ in $(seq 240); do
     [ -n "$(squeue -h)" ] || break
     sleep 1
 done
-failed=0
-if grep -q "^Departs arm7: joint compliance at joint_4" build/fleet/slurm-fleet.log; then
-    echo "ok the array job and the dependent pooling of docs/fleet.md on Slurm"
-else
-    echo "not ok the array job and the dependent pooling of docs/fleet.md on Slurm"
-    squeue
-    tail -n 5 build/fleet/*.log slurmctld.log slurmd.log
-    failed=1
-fi
+ok "the array job and the dependent pooling of docs/fleet.md on Slurm" \
+    grep -q "^Departs arm7: joint compliance at joint_4" build/fleet/slurm-fleet.log
+[ $failed = 0 ] || { squeue; tail -n 5 build/fleet/*.log slurmctld.log slurmd.log; }
 mukca fleet -q build/fleet/arm*/session.json -o once.tsv
-if cmp -s once.tsv build/fleet/heron7.traits.tsv; then
-    echo "ok Slurm gives the same bytes as one process"
-else
-    echo "not ok Slurm gives the same bytes as one process"
-    failed=1
-fi
+ok "Slurm gives the same bytes as one process" cmp once.tsv build/fleet/heron7.traits.tsv
 exit $failed

@@ -25,6 +25,12 @@ check() { # NAME TEXT: passes where TEXT is empty
     fi
 }
 
+runs() { # NAME OUTPUT COMMAND...: passes where the command does
+    "${@:3}" >"$2" 2>&1 </dev/null
+    code=$?
+    check "$1" "$([ $code -eq 0 ] || { echo "exit $code"; tail -n 8 "$2"; })"
+}
+
 # ---- tables and documents agree
 "$MUKCA" help options | tail -n +2 >"$scratch/options"
 "${PYTHON:-python3}" tools/man.py >"$scratch/commands"
@@ -120,9 +126,7 @@ for block in block-*; do
             echo "skip $name (no GNU parallel)"
             continue
         fi
-        bash -eu "$block" >"$block.out" 2>&1 </dev/null
-        code=$?
-        check "$name" "$([ $code -eq 0 ] || { echo "exit $code"; tail -n 8 "$block.out"; })"
+        runs "$name" "$block.out" bash -eu "$block"
         previous=$block.out ;;
     *.text)
         [ -n "$previous" ] || continue
@@ -137,18 +141,14 @@ done
 for page in mukca.1 mukca-formats.5; do
     sed -n '/^\.EX/,/^\.EE/ { /^\.E[XE]/d; s/\\-/-/g; s/\\e/\\/g; p }' "$root/$page" >page.sh
     grep -q . page.sh || continue
-    bash -eu page.sh >page.out 2>&1 </dev/null
-    code=$?
-    check "examples of $page" "$([ $code -eq 0 ] || { echo "exit $code"; tail -n 8 page.out; })"
+    runs "examples of $page" page.out bash -eu page.sh
 done
 
 # Examples of help; `mukca send` needs a daemon, tests/lcm gives it one.
 # shellcheck disable=SC2162 # a backslash continues a line
 while read example; do
     case $example in "mukca send "*) continue ;; esac
-    bash -euc "$example" >example.out 2>&1 </dev/null
-    code=$?
-    check "help example: $example" "$([ $code -eq 0 ] || { echo "exit $code"; tail -n 8 example.out; })"
+    runs "help example: $example" example.out bash -euc "$example"
 done < <("$MUKCA" help options | tail -n +2 | cut -f 1 | uniq | while read -r command; do
     "$MUKCA" help "$command" | sed '1,/^Example:/d'; done)
 

@@ -74,15 +74,17 @@ static long real_write(int fd, const void *data, size_t size)
     return syscall(SYS_write, fd, data, size, 0, 0, magic);
 }
 
-static void put(const char *name, int from)
+/* A whole file or none: `lines`, or a copy of `from`. */
+static void put(const char *kind_of, unsigned long inode, int from, const char *lines)
 {
     char path[4096], temporary[4200], buffer[65536];
     long n;
-    snprintf(path, sizeof path, "%s/%s", disk, name);
+    snprintf(path, sizeof path, "%s/%s-%lu", disk, kind_of, inode);
     snprintf(temporary, sizeof temporary, "%s.%d", path, getpid());
     int to = (int)syscall(SYS_openat, AT_FDCWD, temporary, O_WRONLY | O_CREAT | O_TRUNC, 0666);
     off_t offset = 0;
-    while ((n = pread(from, buffer, sizeof buffer, offset)) > 0 &&
+    if (lines) real_write(to, lines, strlen(lines));
+    while (!lines && (n = pread(from, buffer, sizeof buffer, offset)) > 0 &&
            real_write(to, buffer, (size_t)n) == n)
         offset += n;
     close(to);
@@ -100,7 +102,7 @@ static void hold(int fd, unsigned long inode)
 
 static void remember_folder(int fd, unsigned long inode)
 {
-    char path[4096], own[64], lines[1 << 16], temporary[4200];
+    char own[64], lines[1 << 16] = "";
     size_t length = 0;
     snprintf(own, sizeof own, "/proc/self/fd/%d", fd);
     counting = false; /* opendir allocates */
@@ -111,18 +113,13 @@ static void remember_folder(int fd, unsigned long inode)
                                       e->d_type == DT_DIR ? 'd' : 'f', e->d_name);
     if (entries) closedir(entries);
     counting = true;
-    snprintf(path, sizeof path, "%s/folder-%lu", disk, inode);
-    snprintf(temporary, sizeof temporary, "%s.%d", path, getpid());
-    int to = (int)syscall(SYS_openat, AT_FDCWD, temporary, O_WRONLY | O_CREAT | O_TRUNC, 0666);
-    real_write(to, lines, length);
-    close(to);
-    syscall(SYS_renameat, AT_FDCWD, temporary, AT_FDCWD, path);
+    put("folder", inode, -1, lines);
 }
 
 static void remember(int fd)
 {
     struct stat info;
-    char name[64], own[64];
+    char own[64];
     if (!disk || fstat(fd, &info)) return;
     const unsigned long inode = (unsigned long)info.st_ino;
     if (S_ISDIR(info.st_mode)) {
@@ -131,8 +128,7 @@ static void remember(int fd)
     }
     snprintf(own, sizeof own, "/proc/self/fd/%d", fd); /* which may be open for writing only */
     int from = (int)syscall(SYS_openat, AT_FDCWD, own, O_RDONLY, 0);
-    snprintf(name, sizeof name, "file-%lu", inode);
-    put(name, from);
+    put("file", inode, from, NULL);
     close(from);
 }
 

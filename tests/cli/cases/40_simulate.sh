@@ -17,7 +17,7 @@ expect "evaluate reads the recording and its truth" "$MUKCA" evaluate --urdf arm
 doubt 'is above --max-mae' evaluate --urdf arm.urdf session.tsv --max-mae 1e-3
 
 # pose logs
-simulate --poses 20 --perturb 0.3,1 --truth poses_truth.tsv --command --effort -o poses.tsv
+simulate --poses 20 --perturb 0.3,1 --effect joint_compliance:joint_2=3e-5 --truth poses_truth.tsv --command --effort -o poses.tsv
 expect "a pose log has as many rows as asked" test "$(grep -vc '^#' poses.tsv)" -eq 21
 "$MUKCA" fk --urdf arm.urdf --offsets poses_truth.tsv poses.tsv | tail -n +2 >seen
 grep -v '^#' poses.tsv | tail -n +2 | cut -f 23-25 >told
