@@ -123,12 +123,13 @@ run export --urdf arm.urdf --offsets into_table.tsv -f mjcf -o whole.xml
 accept "note: body 'fore': moved by [0-9.]* mm, [0-9.]* mrad" export --urdf arm.urdf --offsets into_table.tsv --into own.xml -o patched.xml
 expect "export --into has the poses of the whole export" test "$(bodies patched.xml)" = "$(bodies whole.xml)"
 expect "export --into keeps the rest" test "$(sed 's/ \(pos\|quat\)="[^"]*"//g' patched.xml)" = "$(sed 's/ \(pos\|quat\)="[^"]*"//g' own.xml)"
-sed '/name="hand"/ s/pos="[^"]*"/pos="0.4 0 0"/' own.xml >elsewhere.xml
-refuse 3 "elsewhere.xml: body 'hand' is not where the URDF has it" export --urdf arm.urdf --offsets into_table.tsv --into elsewhere.xml
-sed 's/name="hand"/name="palm"/' own.xml >missing.xml
-refuse 3 "missing.xml: body 'hand' is missing" export --urdf arm.urdf --offsets into_table.tsv --into missing.xml
-sed 's/name="hand"/name="left_hand"/; s/name="ball"/name="right_hand"/' own.xml >twice.xml
-refuse 3 "twice.xml: body 'hand' is there more than once" export --urdf arm.urdf --offsets into_table.tsv --into twice.xml
+wrong_into() { # MODEL SED PATTERN: refused for what is wrong with it
+    sed "$2" "$1" >"wrong.${1##*.}"
+    refuse 3 "wrong.${1##*.}: $3" export --urdf arm.urdf --offsets into_table.tsv --into "wrong.${1##*.}"
+}
+wrong_into own.xml '/name="hand"/ s/pos="[^"]*"/pos="0.4 0 0"/' "body 'hand' is not where the URDF has it"
+wrong_into own.xml 's/name="hand"/name="palm"/' "body 'hand' is missing"
+wrong_into own.xml 's/name="hand"/name="left_hand"/; s/name="ball"/name="right_hand"/' "body 'hand' is there more than once"
 # bodies turned and shifted along the axes of their joints, the ball turned: the same arm, moved by MuJoCo's rules
 cat >turned.xml <<'XML'
 <mujoco><default><joint axis="0 0 1"/></default><worldbody><body name="base">
@@ -167,8 +168,7 @@ tip=$(awk 'NR == 2 { printf "%.7f %.7f %.7f", $1, $2, $3 }' "$scratch/out")
 for model in patched turned_patched; do
     expect "$model.xml has the tip of fk" test "$("${PYTHON:-python3}" mujoco.py $model.xml)" = "$tip"
 done
-sed 's/pos="0.5 0 0.1"/pos="0.51 0 0.1"/' turned.xml >longer.xml
-refuse 3 "longer.xml: body 'hand' is not where the URDF has it" export --urdf arm.urdf --offsets into_table.tsv --into longer.xml
+wrong_into turned.xml 's/pos="0.5 0 0.1"/pos="0.51 0 0.1"/' "body 'hand' is not where the URDF has it"
 
 # one's own URDF: joints found by name, with a prefix or without; the rest stays
 sed 's/name="j\([123]\)"/name="left_j\1"/; s/<origin xyz="0 0 0.25" rpy="0 0 0"/<origin xyz="0 0 0.2501"/; /name="tool"/,$d' arm.urdf >own.urdf
@@ -178,12 +178,9 @@ run export --urdf arm.urdf --offsets into_table.tsv -o all.urdf
 origin() { grep -A 1 "name=\"$2\"" "$1" | sed -n 's/.*\(xyz="[^"]*"\).*/\1/p'; }
 expect "export --into has the origins of the whole URDF" test "$(origin own_out.urdf left_j3)" = "$(origin all.urdf j3)"
 expect "and keeps the rest" test "$(grep -v '<origin\|<joint' own_out.urdf)" = "$(grep -v '<origin\|<joint' own.urdf)"
-sed 's/name="left_j3"/name="left_j4"/' own.urdf >missing.urdf
-refuse 3 "missing.urdf: joint 'j3' is missing" export --urdf arm.urdf --offsets into_table.tsv --into missing.urdf
-sed 's/name="mount"/name="right_j3"/' own.urdf >twice.urdf
-refuse 3 "twice.urdf: joint 'j3' is there more than once" export --urdf arm.urdf --offsets into_table.tsv --into twice.urdf
-sed 's/xyz="0.5 0 0"/xyz="0.6 0 0"/' own.urdf >elsewhere.urdf
-refuse 3 "elsewhere.urdf: joint 'j3' is not where" export --urdf arm.urdf --offsets into_table.tsv --into elsewhere.urdf
+wrong_into own.urdf 's/name="left_j3"/name="left_j4"/' "joint 'j3' is missing"
+wrong_into own.urdf 's/name="mount"/name="right_j3"/' "joint 'j3' is there more than once"
+wrong_into own.urdf 's/xyz="0.5 0 0"/xyz="0.6 0 0"/' "joint 'j3' is not where"
 refuse 2 "into and --format exclude each other" export --urdf arm.urdf --into own.xml -f yaml
 
 # arrays of numpy.save, and its text with spaces

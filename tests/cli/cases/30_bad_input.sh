@@ -23,7 +23,6 @@ wrong_urdf() { # SED PATTERN: refused for what is wrong with it
     edit "$1"
     refuse 3 "$2" calibrate --urdf bad.urdf good -o new.tsv
 }
-wrong_urdf '/<link name="hand"/d' 'bad.urdf: urdfdom cannot read it: .*hand'
 wrong_urdf 's/<\/robot>//' 'bad.urdf:[0-9]*: broken XML'
 awk 'BEGIN { printf "<robot name=\"x\">"; for (i = 0; i < 100; i++) printf "<a>"
     for (i = 0; i < 100; i++) printf "</a>"; print "</robot>" }' >bad.urdf
@@ -51,10 +50,10 @@ for name in placement x_m '#1' 'a,b' ' a' 'a\&#9;b' ''; do
 done
 wrong_urdf 's/xyz="0 0 0.25"/xyz="0 0 1e300"/' "joint 'j1': its origin is farther away than any arm reaches"
 mass() { edit "s/<link name=\"upper\"\/>/<link name=\"upper\"><inertial><origin xyz=\"$2 0 0\"\/><mass value=\"$1\"\/><\/inertial><\/link>/"; }
-mass 1e308 0
-refuse 3 "link 'upper': its mass or centre of mass is larger than any arm's" calibrate --urdf bad.urdf good
-mass 1 1e300
-refuse 3 "link 'upper': its mass or centre of mass is larger than any arm's" calibrate --urdf bad.urdf good
+for heavy in '1e308 0' '1 1e300'; do
+    mass $heavy
+    refuse 3 "link 'upper': its mass or centre of mass is larger than any arm's" calibrate --urdf bad.urdf good
+done
 for wrong in 'nan 0' '1,5 0' '1 nan'; do
     mass $wrong
     accept 'bad.urdf: urdfdom skips what it cannot read, perhaps masses: .*' fk --urdf bad.urdf good/hole_0.csv
@@ -68,7 +67,6 @@ wrong_session() { # SED PATTERN: refused for what is wrong with it
     session "$1"
     refuse 3 "$2" calibrate $a bad.tsv -o new.tsv
 }
-wrong_session '1s/j3/q3/' "bad.tsv:1: no column for joint 'j3' of the chain; rename column 'q3' with --columns 'q3=j3'"
 wrong_session '1s/j3/axis_3_deg/' "no column for joint 'j3' (columns: placement, socket, j1, j2, axis_3_deg); name"
 wrong_session '1s/j3/j3_deg/' "rename column 'j3_deg' with --columns 'j3_deg=j3', and give --units deg"
 session '1s/placement/station/'
