@@ -12,7 +12,7 @@ import types
 
 import foreign
 from foreign import (Arm, Client, HOME, MUKCA, ROWS, URDF, accepted, check, finish, fresh, mukca, said, serve, spawn,
-                     stop, told, until)
+                     stop, take, told, until)
 
 GROUP = ("239.255.76.67", 7667)
 LONG = bool(os.environ.get("MUKCA_LONG"))
@@ -115,12 +115,6 @@ def memory(p):
         return [int(line.split()[1]) for line in f if line.startswith("VmRSS")][0]
 
 
-def take(client, arm, row):
-    """One sample at a posture; whether it was accepted."""
-    arm.go(row[2])
-    return accepted(client, lambda: client.trigger(row[0], row[1], seconds=2)) is not None
-
-
 def attack(s, datagrams, p):
     for i, d in enumerate(datagrams):
         s.sendto(d, GROUP)
@@ -140,15 +134,15 @@ def recorders():
             check(command + ": begins", client.wait_stream(), p.said)
             if command == "serve":
                 client.command("start", "x")
-            check(command + ": a sample before", take(client, arm, ROWS[0]), p.said[-3:])
+            check(command + ": a sample before", take(client, arm, [ROWS[0]]), p.said[-3:])
             before = memory(p)
             for i, (name, datagrams) in enumerate(ATTACKS.items()):
                 alive = attack(s, datagrams, p)
-                check("%s: %s" % (command, name), alive and take(client, arm, ROWS[i + 1]),
+                check("%s: %s" % (command, name), alive and take(client, arm, [ROWS[i + 1]]),
                       (p.poll(), p.said[-3:]))
                 if not alive:
                     return
-            check(command + ": a sample after", take(client, arm, ROWS[20]), p.said[-3:])
+            check(command + ": a sample after", take(client, arm, [ROWS[20]]), p.said[-3:])
             check(command + ": memory is flat", SANITIZED or memory(p) - before < 8192, (before, memory(p)))
             check(command + ": drops are reported", until(lambda: said(p, "dropped")), p.said)
             code = stop(p)
@@ -179,7 +173,7 @@ def flood(name, make, seconds):
         p = serve(state)
         check("flood of %s: begins" % name, client.wait_stream(), p.said)
         client.command("start", "s")
-        check("flood of %s: a sample before" % name, take(client, arm, ROWS[0]), p.said[-3:])
+        check("flood of %s: a sample before" % name, take(client, arm, [ROWS[0]]), p.said[-3:])
         s, end, sent, most = open_socket(), time.monotonic() + seconds, 0, 0
         while time.monotonic() < end and p.poll() is None:
             for _ in range(200):
@@ -193,7 +187,7 @@ def flood(name, make, seconds):
               (name, sent / seconds, most / 1024, wait, len(p.said)))
         check("flood of %s: memory" % name, SANITIZED or 0 < most < MEMORY_KIB, most)
         check("flood of %s: a command is answered" % name, answer, p.said[-3:])
-        check("flood of %s: a sample after" % name, take(client, arm, ROWS[5]), p.said[-3:])
+        check("flood of %s: a sample after" % name, take(client, arm, [ROWS[5]]), p.said[-3:])
         # each of the 50 requests a second that one sender may make leaves a line, the rest none
         check("flood of %s: few lines" % name, len(p.said) < 200 + 50 * seconds, len(p.said))
         check("flood of %s: ends cleanly" % name, stop(p) == 0)
@@ -242,7 +236,7 @@ def rights():
         p = serve(state)
         check("rights: begins", client.wait_stream(), p.said)
         client.command("start", "a")
-        check("rights: a sample", take(client, arm, ROWS[0]), p.said[-3:])
+        check("rights: a sample", take(client, arm, [ROWS[0]]), p.said[-3:])
         sample = client.trigger("p\x7f\u202e\x1b[2J", "0", seconds=2)
         check("rights: a label with control characters is refused", sample and not sample.accepted and
               sample.text.startswith('"p?????[2J" or "0" cannot be a name'), sample and sample.text)
@@ -283,12 +277,12 @@ def forged_states():
         check("forged: 0.0.0.0 is no sender to name", p.returncode == 2)
         p = serve(state, heard=client)
         client.command("start", "s")
-        check("forged: a sample before", take(client, arm, ROWS[0]), p.said[-3:])
+        check("forged: a sample before", take(client, arm, [ROWS[0]]), p.said[-3:])
         with Arm("iiwa", [x + 0.0007 for x in ROWS[0][2]], 200, "IIWA_STATUS"):
             check("forged: it is reported", until(lambda: said(p, "two arms")), p.said)
             samples = [client.trigger("a", "1", seconds=2) for _ in range(5)]
         check("forged: no sample while two send", not any(x and x.accepted for x in samples))
-        check("forged: a sample after", take(client, arm, ROWS[3]), p.said[-3:])
+        check("forged: a sample after", take(client, arm, [ROWS[3]]), p.said[-3:])
         stop(p)
 
 
@@ -371,7 +365,7 @@ def controllers():
         sample = other.trigger("a", "0")
         check("controllers: nor record", sample and not sample.accepted and "controlled from" in sample.text)
         check("controllers: but ask", "controlled" not in other.command("result").text)
-        check("controllers: the first may record", take(client, arm, ROWS[0]), p.said[-3:])
+        check("controllers: the first may record", take(client, arm, [ROWS[0]]), p.said[-3:])
         check("controllers: and finish", client.command("finish").code == 0)
         check("controllers: then another may begin", other.command("start", "b").code == 0)
         check("controllers: and the first may not", client.command("finish").code == 1)

@@ -5,7 +5,7 @@ import subprocess
 import termios
 import time
 
-from foreign import Arm, Client, HOME, JOINTS, MUKCA, ROOT, Terminal, URDF, accepted, check, ended, finish, fresh, said, spawn, stop, table, until
+from foreign import Arm, Client, HOME, JOINTS, MUKCA, ROOT, Terminal, URDF, check, ended, finish, fresh, said, spawn, stop, table, take, until
 
 work = fresh("capture")
 count = 0
@@ -30,16 +30,6 @@ def ends(name, code, words, *arguments):
 
 def posture(i):
     return [x + 0.3 * ((i * (j + 3)) % 7 - 3) / 3 for j, x in enumerate(HOME)]
-
-
-def trigger_some(client, arm, n, first=0):
-    """n accepted samples at changing postures; their positions."""
-    rows = []
-    for i in range(first, first + n):
-        arm.go(posture(i))
-        sample = accepted(client, lambda: client.trigger(seconds=2))
-        rows += [list(sample.position)] if sample else []
-    return rows
 
 
 def usage():
@@ -74,9 +64,7 @@ def finds_by_listening():
             Arm("iiwa", HOME[:3], 100, "OTHER"):
         p = capture(path, "--trigger", "--rows", "3")
         check("the channel is found by listening, joints by name", client.wait_stream(), p.said)
-        for i in range(3):
-            arm.go(list(reversed(posture(i))))
-            accepted(client, lambda: client.trigger(seconds=2))
+        take(client, arm, [("", "", list(reversed(posture(i)))) for i in range(3)])
         p.wait(20)
         check("--rows ends the session", p.returncode == 0, p.said)
     header, rows = table(path)
@@ -112,7 +100,7 @@ def unknown_type():
         p = capture(path, "--trigger", "--type", description, "--position", "joints.q", "--names",
                     "joints.name", "--rows", "2")
         check("a described type is understood", client.wait_stream(), p.said)
-        trigger_some(client, arm, 2)
+        take(client, arm, [("", "", posture(i)) for i in range(2)])
         p.wait(20)
     rows = table(path)[1]
     check("and recorded", len(rows) == 2 and

@@ -3,7 +3,7 @@ import os
 
 import lcm
 
-from foreign import Arm, Client, HOME, URDF, accepted, check, drake, finish, fresh, mukca, said, spawn, stop, table, until
+from foreign import Arm, Client, HOME, URDF, check, drake, finish, fresh, mukca, said, spawn, stop, table, take, until
 
 CHANNEL = "IIWA_STATUS"
 
@@ -22,10 +22,10 @@ class Session:
     def take(self):
         """One row at a new posture; True when it was accepted."""
         self.turn += 1
-        self.arm.go([x + 0.1 * ((self.turn * (j + 2)) % 5 - 2) for j, x in enumerate(HOME)])
-        sample = accepted(self.client, lambda: self.client.trigger("p", str(self.turn % 2), seconds=2))
-        self.rows += [list(sample.position)] if sample else []
-        return sample is not None
+        q = [x + 0.1 * ((self.turn * (j + 2)) % 5 - 2) for j, x in enumerate(HOME)]
+        kept = take(self.client, self.arm, [("p", str(self.turn % 2), q)])
+        self.rows += kept
+        return bool(kept)
 
     def said(self, words):
         """Number of lines with those words, once there is one."""
