@@ -9,10 +9,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     static mukca_place places[2] = {{.name = "front"}, {.name = "a b"}};
     static cli_simulated simulated;
     mukca_error error = {MUKCA_OK, ""};
-    char text[4096];
-    if (size >= sizeof text || memchr(bytes, 0, size)) return 0;
-    memcpy(text, bytes, size);
-    text[size] = '\0';
+    if (size >= 4096 || memchr(bytes, 0, size)) return 0;
+    char *text = as_text(bytes, size);
     make_chain(&chain, "RP", NULL, "j", 3);
     memset(&simulated, 0, sizeof simulated);
     simulated.chain = &chain;
@@ -28,5 +26,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
             simulated.n_torques > CLI_MAX_SIMULATED_TORQUES)
             abort();
     }
+    free(text);
     return 0;
 }

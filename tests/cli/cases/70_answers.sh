@@ -5,8 +5,6 @@ a="--urdf $demo/arm.urdf" d="$demo/train.tsv"
 answer "^Converged after" calibrate $a "$d" -o offsets.tsv
 expect "the next step is the diagnosis, which explains a part of the error" grep -q "^Next    mukca diagnose -o FILE" "$scratch/out"
 answer "^  consistency mm, data" evaluate $a "$d" -o scores.tsv
-answer "^Found   joint compliance at joint_4" diagnose $a "$d"
-answer "^12 postures" plan $a --place front=0.45,0,0.05 --rows 12 -o plan.tsv
 answer "^report: page.html" report $a "$d" -o page.html
 "$MUKCA" simulate $a --poses 500 --seed 1 --perturb 1,2 -o log.tsv
 answer "^Result  the poses contain a calibration" recalibrate $a log.tsv
