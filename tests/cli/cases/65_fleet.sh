@@ -65,21 +65,20 @@ head -c 5000 8.json >cut.json
 refuse 3 "cut.json:1: the file is cut off" fleet 7.json cut.json
 : >empty.json
 refuse 3 "empty.json: the file is empty" fleet 7.json empty.json
-sed 's/summary\/1/summary\/2/' 8.json >new.json
-refuse 3 "new.json:1: of another version than mukca.summary/1" fleet 7.json new.json
+wrong_summary() { # SED PATTERN: a summary that is refused for what is wrong with it
+    sed "$1" 8.json >bad.json
+    refuse 3 "bad.json$2" fleet 7.json bad.json
+}
+wrong_summary 's/summary\/1/summary\/2/' ":1: of another version than mukca.summary/1"
 refuse 3 "all.traits.tsv:1: a traits table, which cannot be pooled again; give the summaries" fleet 7.json all.traits.tsv
 echo '{"schema": "other"}' >other.json
 refuse 3 "other.json:1: not a summary" fleet 7.json other.json
 "$MUKCA" fleet 7.json 8.json -q --json fleet.json
 refuse 3 "fleet.json:1: no summary; give the files of diagnose --summary" fleet 7.json fleet.json
-sed 's/"vector":\[[^,]*/"vector":[1e999/' 8.json >inf.json
-refuse 3 "inf.json:1: " fleet 7.json inf.json
-sed 's/"vector":\[[^,]*/"vector":[null/' 8.json >null.json
-refuse 3 'null.json:1: `vector` is missing or damaged' fleet 7.json null.json
-sed 's/"joint_3"/"elbow"/' 8.json >names.json
-refuse 3 "names.json: of another model than 7.json: the names of the joints differ" fleet 7.json names.json
-sed 's/"ripple":\["...../"ripple":["*****/' 8.json >ripple.json
-refuse 3 'ripple.json:1: `ripple` is missing or damaged' fleet 7.json ripple.json
+wrong_summary 's/"vector":\[[^,]*/"vector":[1e999/' ":1: "
+wrong_summary 's/"vector":\[[^,]*/"vector":[null/' ':1: `vector` is missing or damaged'
+wrong_summary 's/"joint_3"/"elbow"/' ": of another model than 7.json: the names of the joints differ"
+wrong_summary 's/"ripple":\["...../"ripple":["*****/' ':1: `ripple` is missing or damaged'
 refuse 2 "is an input of this command" fleet 7.json 8.json -o 7.json --force
 refuse 2 "partial needs --output" fleet --partial 7.json 8.json
 refuse 2 "traits-only needs --traits" diagnose $a seven/train.tsv --traits-only

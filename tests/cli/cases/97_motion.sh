@@ -10,28 +10,28 @@ answer '"schema": "mukca.motion/1"' motion -q --urdf motion.urdf new.tsv --json 
 answer 'nothing beyond' motion --urdf motion.urdf old.tsv
 expect "the table has both effects" sh -c "'$MUKCA' motion -q --urdf motion.urdf new.tsv -o effects.tsv && \
     grep -q '^viscous	joint_3	damping	N\*m\*s/rad	2\.0' effects.tsv && grep -q '^payload	joint_7	mass	kg	0\.' effects.tsv"
+spoilt() { # VERB PATTERN COMMAND...: a run that the command prints
+    verb=$1 part=$2
+    shift 2
+    "$@" >spoilt.tsv
+    $verb "$part" motion --urdf motion.urdf spoilt.tsv
+}
 # what a table may be like: currents, gaps, repeated and empty rows
-sed '1,/^time_s/s/\.effort/.current/g' new.tsv >current.tsv
-refuse 3 "give --current-gain joint_1=VALUE" motion --urdf motion.urdf current.tsv
-answer 'viscous friction at joint_3' motion --urdf motion.urdf current.tsv \
+spoilt 'refuse 3' "give --current-gain joint_1=VALUE" sed '1,/^time_s/s/\.effort/.current/g' new.tsv
+answer 'viscous friction at joint_3' motion --urdf motion.urdf spoilt.tsv \
     --current-gain joint_1=1,joint_2=1,joint_3=1,joint_4=1,joint_5=1,joint_6=1,joint_7=1
-refuse 3 "current.tsv has motor currents, new.tsv torques" motion --urdf motion.urdf current.tsv --test new.tsv \
+refuse 3 "spoilt.tsv has motor currents, new.tsv torques" motion --urdf motion.urdf spoilt.tsv --test new.tsv \
     --current-gain joint_1=1,joint_2=1,joint_3=1,joint_4=1,joint_5=1,joint_6=1,joint_7=1
-awk 'NR % 500 == 0 { print } { print }' new.tsv >repeated.tsv
-accept "rows that repeat a time left out" motion --urdf motion.urdf repeated.tsv
-awk '!/^[0-9]/ || $1 < 12 || $1 > 15' new.tsv >gap.tsv
-accept "cut at 1 gap in time_s" motion --urdf motion.urdf gap.tsv
+spoilt accept "rows that repeat a time left out" awk 'NR % 500 == 0 { print } { print }' new.tsv
+spoilt accept "cut at 1 gap in time_s" awk '!/^[0-9]/ || $1 < 12 || $1 > 15' new.tsv
 # and must not
 refuse 2 "needs RUN" motion --urdf motion.urdf
 refuse 2 "there is no effect 'wind'" motion --urdf motion.urdf new.tsv --without wind
 refuse 2 "is not JOINT=NUMBER" motion --urdf motion.urdf new.tsv --current-gain joint_9=1
 refuse 2 "no value for joint_1" motion --urdf motion.urdf new.tsv --kp joint_2=100
-sed '1,/^time_s/s/\.effort/.torque/g' new.tsv >none.tsv
-refuse 3 "no column joint_1.effort" motion --urdf motion.urdf none.tsv
-sed '1,/^time_s/s/time_s/t/' new.tsv >timeless.tsv
-refuse 3 "no column time_s" motion --urdf motion.urdf timeless.tsv
-awk '/^[0-9]/ && NR > 900 { $1 -= 20 } { print }' OFS='\t' new.tsv >back.tsv
-refuse 3 "the time falls by" motion --urdf motion.urdf back.tsv
+spoilt 'refuse 3' "no column joint_1.effort" sed '1,/^time_s/s/\.effort/.torque/g' new.tsv
+spoilt 'refuse 3' "no column time_s" sed '1,/^time_s/s/time_s/t/' new.tsv
+spoilt 'refuse 3' "the time falls by" awk '/^[0-9]/ && NR > 900 { $1 -= 20 } { print }' OFS='\t' new.tsv
 # joint states: lines of ros2 topic echo --csv, JSON, a log of lcm-logger; recorded velocities
 cat >states.py <<'PY'
 import struct, sys
@@ -66,16 +66,11 @@ for each in ros.csv lines.json run.lcmlog velocities.tsv; do
     expect "$each gives the findings of the table" sh -c "grep -A 5 '^Found' '$scratch/out' | cmp - of_table"
 done
 accept "joint states of others left out" motion --urdf motion.urdf ros.csv
-head -c -40 ros.csv >cut.csv
-accept "the last line is cut off" motion --urdf motion.urdf cut.csv
-sed '1,$s/"effort"/"force"/' lines.json >effortless.json
-refuse 3 "the joint states have no efforts" motion --urdf motion.urdf effortless.json
-sed 's/joint_7/joint_9/g' ros.csv >renamed.csv
-refuse 3 "no joint state has all 7 joints of the arm; check the names" motion --urdf motion.urdf renamed.csv
-awk -F'\t' '/^[0-9]/ { for (i = 9; i <= 15; i++) $i *= 57.29578 } { print }' OFS='\t' velocities.tsv >degrees.tsv
-accept "the velocities of joint_2 are 57.[0-9] times the derivative of its angle" motion --urdf motion.urdf degrees.tsv
-awk -F'\t' '/^[0-9]/ { v = $9; $9 = $10; $10 = v } { print }' OFS='\t' velocities.tsv >swapped.tsv
-accept "the velocities of joint_2 are not the derivative of its angle" motion --urdf motion.urdf swapped.tsv
+spoilt accept "the last line is cut off" head -c -40 ros.csv
+spoilt 'refuse 3' "the joint states have no efforts" sed '1,$s/"effort"/"force"/' lines.json
+spoilt 'refuse 3' "no joint state has all 7 joints of the arm; check the names" sed 's/joint_7/joint_9/g' ros.csv
+spoilt accept "the velocities of joint_2 are 57.[0-9] times the derivative of its angle" awk -F'\t' '/^[0-9]/ { for (i = 9; i <= 15; i++) $i *= 57.29578 } { print }' OFS='\t' velocities.tsv
+spoilt accept "the velocities of joint_2 are not the derivative of its angle" awk -F'\t' '/^[0-9]/ { v = $9; $9 = $10; $10 = v } { print }' OFS='\t' velocities.tsv
 # the effects in a model of one's own, here the exported one; the report
 run export --urdf motion.urdf -f mjcf -o plain.xml
 accept "body 'link_7': mass 0.62 kg to" export --urdf motion.urdf --motion effects.tsv --into plain.xml -o patched.xml
