@@ -77,13 +77,11 @@ static inline int test_run(CMFixtureFunction setup, CMFixtureFunction teardown)
 }
 
 /* Written so that NaN fails. */
-#define assert_close(a, b, tolerance)                                                         \
-    do {                                                                                      \
-        double close_a = (a), close_b = (b), close_t = (tolerance);                           \
-        if (!(fabs(close_a - close_b) <= close_t)) {                                          \
-            print_error("%s = %.17g, expected %.17g +- %g\n", #a, close_a, close_b, close_t); \
-            fail();                                                                           \
-        }                                                                                     \
+#define assert_close(a, b, tolerance)                                                    \
+    do {                                                                                 \
+        double close_a = (a), close_b = (b), close_t = (tolerance);                      \
+        if (!(fabs(close_a - close_b) <= close_t))                                       \
+            fail_msg("%s = %.17g, expected %.17g +- %g", #a, close_a, close_b, close_t); \
     } while (0)
 
 #define assert_frame(a, b, tolerance)                                                   \
@@ -98,13 +96,11 @@ static inline int test_run(CMFixtureFunction setup, CMFixtureFunction teardown)
     } while (0)
 
 /* An error of that status whose text holds `part` and is one line. */
-#define assert_error(status, wanted, error, part)                          \
-    do {                                                                   \
-        assert_int_equal((status), (wanted));                              \
-        if (!strstr((error).text, (part)) || strchr((error).text, '\n')) { \
-            print_error("'%s' lacks '%s'\n", (error).text, (part));        \
-            fail();                                                        \
-        }                                                                  \
+#define assert_error(status, wanted, error, part)                        \
+    do {                                                                 \
+        assert_int_equal((status), (wanted));                            \
+        if (!strstr((error).text, (part)) || strchr((error).text, '\n')) \
+            fail_msg("'%s' lacks '%s'", (error).text, (part));           \
     } while (0)
 #define assert_refused(call, part) assert_error(call, MUKCA_INPUT, error, part)
 

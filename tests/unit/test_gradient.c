@@ -70,10 +70,8 @@ static void compare(const double *got, const real *want, int n, double tolerance
     for (int i = 0; i < n; i++) largest = fmaxl(largest, fabsl(want[i]));
     for (int i = 0; i < n; i++) {
         const real scale = fmaxl(fabsl(want[i]), 1e-3L * largest);
-        if (!(fabsl(got[i] - want[i]) <= tolerance * scale)) {
-            print_error("%s: entry %d is %.17g, expected %.17Lg\n", what, i, got[i], want[i]);
-            fail();
-        }
+        if (!(fabsl(got[i] - want[i]) <= tolerance * scale))
+            fail_msg("%s: entry %d is %.17g, expected %.17Lg", what, i, got[i], want[i]);
     }
 }
 
@@ -104,10 +102,7 @@ static void check_point(const mukca_selection *selection, mukca_cost_options opt
     mukca_cost_value parts;
     real want[MUKCA_MAX_FREE], wide[MUKCA_MAX_FREE];
     double got[2][MUKCA_MAX_FREE], x[MUKCA_MAX_FREE];
-    if (mukca_parameters_select(&parameters, &chain, selection, &error) != MUKCA_OK) {
-        print_error("%s\n", error.text);
-        fail();
-    }
+    assert_ok(mukca_parameters_select(&parameters, &chain, selection, &error));
     const int n = parameters.n;
     mukca_parameters_pack(x, &parameters, theta);
     differences(want, &parameters, &options);

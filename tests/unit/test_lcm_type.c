@@ -273,10 +273,9 @@ TEST(decodes_nested_positions)
         {"joints.name", "is a text, not a number"},
         {"n.x", "field n of u.arm"}};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
-        assert_int_equal(
+        assert_refused(
             mukca_lcm_type_set_role(&more, t, MUKCA_LCM_ROLE_POSITION, bad[i].text, &error),
-            MUKCA_INPUT);
-        assert_part(error.text, bad[i].part);
+            bad[i].part);
     }
 }
 

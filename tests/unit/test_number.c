@@ -9,10 +9,7 @@ static void check_same(const char *text)
 {
     double ours = 1, theirs = strtod(text, NULL);
     assert_true(mukca_number_parse(&ours, text));
-    if (memcmp(&ours, &theirs, sizeof ours) != 0) {
-        print_error("%s: %a, not %a\n", text, ours, theirs);
-        fail();
-    }
+    if (memcmp(&ours, &theirs, sizeof ours) != 0) fail_msg("%s: %a, not %a", text, ours, theirs);
 }
 
 TEST(numbers_are_the_c_librarys)
@@ -90,10 +87,8 @@ TEST(other_texts_are_no_numbers)
                                         "-",  "1f",  "1e999", "-1e999", "1_000", "１"};
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
         double value;
-        if (mukca_number_parse(&value, texts[i])) {
-            print_error("'%s' was taken for %g\n", texts[i], value);
-            fail();
-        }
+        if (mukca_number_parse(&value, texts[i]))
+            fail_msg("'%s' was taken for %g", texts[i], value);
     }
 }
 
