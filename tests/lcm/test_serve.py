@@ -36,13 +36,13 @@ def the_whole_job(client, arm, state):
     status, refused = (os.path.join(state, "%s.json" % name) for name in ("status", "refused"))
     shown = send("status", "--json", status)
     with open(status) as f:
-        told = json.load(f)
-    check("send status --json, before a session", shown.returncode == 0 and told["expected_m"] is None
-          and told["channel"] == CHANNEL and told["rows"] == 0, told)
+        seen = json.load(f)
+    check("send status --json, before a session", shown.returncode == 0 and seen["expected_m"] is None
+          and seen["channel"] == CHANNEL and seen["rows"] == 0, seen)
     code = send("add", "--json", refused).returncode
     with open(refused) as f:
-        told = json.load(f)
-    check("send --json of a refused command", (told["verb"], told["code"], code) == ("add", 1, 1), told)
+        seen = json.load(f)
+    check("send --json of a refused command", (seen["verb"], seen["code"], code) == ("add", 1, 1), seen)
     check("start", client.command("start", "first").code == 0)
     check("a label that would break the file is refused",
           not client.trigger("a\tb", "0").accepted and client.command("socket", "x,y").code == 1)
