@@ -119,12 +119,15 @@ void mukca_given_blocks(const mukca_sets *s, int item, int end, int worker)
     }
 }
 
-void mukca_given_cross(double *G, mukca_sets *s, int a, int b)
+void mukca_sets_products_of(double *G, mukca_sets *s, int a, int b)
 {
     const mukca_question *q = s->question;
     const mukca_item *x = &q->item[a], *y = &q->item[b];
-    memset(G, 0, sizeof *G * (size_t)(x->terms * y->terms));
-    if (!s->gram[a] && !s->gram[b] && !mukca_given_rows(s, &(unsigned short){(unsigned short)a}, 1))
+    const size_t size = sizeof *G * (size_t)(x->terms * y->terms);
+    memset(G, 0, size);
+    if (a == b) memcpy(G, s->block[a], size);
+    if (a == b || (!s->gram[a] && !s->gram[b] &&
+                   !mukca_given_rows(s, &(unsigned short){(unsigned short)a}, 1)))
         return;
     for (int i = 0; i < x->terms; i++)
         for (int k = 0; k < y->terms; k++)
@@ -153,11 +156,9 @@ bool mukca_given_integrate(mukca_sets *s, const mukca_set *set)
             const mukca_item *h = &q->item[set->item[m]];
             const int terms = q->item[set->item[o]].terms, row = s->integrated.at[m],
                       column = s->integrated.at[o];
-            const double *block = o == m ? s->block[set->item[m]] : G;
-            if (o < m) mukca_given_cross(G, s, set->item[m], set->item[o]);
+            mukca_sets_products_of(G, s, set->item[m], set->item[o]);
             for (int t = 0; t < h->terms; t++)
-                for (int c = 0; c < terms; c++)
-                    P[(row + t) * n + column + c] = block[t * terms + c];
+                for (int c = 0; c < terms; c++) P[(row + t) * n + column + c] = G[t * terms + c];
         }
     if (!mukca_posterior_solve(posterior, NULL)) return false;
     posterior->quadratic = fmax(posterior->quadratic, 1e-3 * q->residual);
@@ -272,23 +273,13 @@ void mukca_sets_products(double *product, double *mean, mukca_sets *s, const muk
     for (int a = 0; a < set->n; a++)
         for (int b = 0; b <= a; b++) {
             const mukca_item *x = &item[set->item[a]], *y = &item[set->item[b]];
-            const double *block = a == b ? s->block[set->item[a]] : G;
             double sum = 0;
-            if (a != b) mukca_given_cross(G, s, set->item[a], set->item[b]);
+            mukca_sets_products_of(G, s, set->item[a], set->item[b]);
             for (int i = 0; i < x->terms; i++)
                 for (int k = 0; k < y->terms; k++)
-                    sum += mean[x->at + i] * block[i * y->terms + k] * mean[y->at + k];
+                    sum += mean[x->at + i] * G[i * y->terms + k] * mean[y->at + k];
             product[a * set->n + b] = product[b * set->n + a] = sum;
         }
-}
-
-void mukca_sets_products_of(double *G, mukca_sets *s, int a, int b)
-{
-    const int terms = s->question->item[a].terms;
-    if (a == b)
-        memcpy(G, s->block[a], sizeof *G * (size_t)(terms * terms));
-    else
-        mukca_given_cross(G, s, a, b);
 }
 
 int mukca_sets_covariance(double *V, mukca_sets *s)

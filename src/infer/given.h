@@ -19,9 +19,6 @@ bool mukca_given_rows(mukca_sets *s, const unsigned short *item, int n);
 /* Fill s->block[] of the items from `item` to end - 1. */
 void mukca_given_blocks(const mukca_sets *s, int item, int end, int worker);
 
-/* Gram block G[a.terms][b.terms] of two items; without memory 0. */
-void mukca_given_cross(double *G, mukca_sets *s, int a, int b);
-
 /* Integrate out a set: s->integrated.posterior.  False: not positive. */
 bool mukca_given_integrate(mukca_sets *s, const mukca_set *set);
 

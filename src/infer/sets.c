@@ -65,7 +65,6 @@ double mukca_set_square(const double *x, int n)
     return sum;
 }
 
-/* Evidence of a member given the others; by_size as in mukca_mixture_evidence(). */
 double mukca_set_score_member(double *by_size, const mukca_sets *s, const mukca_set *set,
                               int member, mukca_mixture_scratch *f)
 {
@@ -120,7 +119,6 @@ static double weigh_signs(mukca_sets *s, const mukca_set *set)
     return sum;
 }
 
-/* Log prior of an item in addition to its own, given the first n members of a set. */
 double mukca_set_kinship(const mukca_sets *s, const mukca_set *set, int n, int item)
 {
     const mukca_item *h = &s->question->item[item];
@@ -206,7 +204,6 @@ static uint32_t hash(const mukca_set *set)
     return h ^ h >> 15;
 }
 
-/* Index of a set with these members, which is stored if it is new; -1: no room. */
 int mukca_set_find(mukca_sets *s, const mukca_set *set)
 {
     uint32_t at = hash(set) % TABLE;
@@ -222,7 +219,6 @@ int mukca_set_find(mukca_sets *s, const mukca_set *set)
     return s->n_sets - 1;
 }
 
-/* Set with another item; false: no room, or its key is in the set. */
 bool mukca_set_extend(mukca_set *out, const mukca_sets *s, const mukca_set *set, int item, int size)
 {
     const mukca_item *all = s->question->item;
