@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/order.h"
 #include "diagnose/cause.h"
 #include "diagnose/held_out.h"
 #include "diagnose/label.h"
@@ -72,11 +73,7 @@ static void select_causes(naming *all, uint64_t in, double weight)
     all->list[i].weight += weight;
 }
 
-static int by_weight(const void *a, const void *b)
-{
-    const selection *x = a, *y = b;
-    return (x->weight < y->weight) - (x->weight > y->weight);
-}
+MUKCA_FALLING(by_weight, selection, weight)
 
 /* Leave out improbable causes and selections. */
 static void thin(naming *all)

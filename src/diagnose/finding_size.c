@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/order.h"
 #include "diagnose/findings.h"
 #include "infer/gaussians.h"
 #include "math/dense.h"
@@ -164,11 +165,7 @@ static void add_norm(mukca_gaussians *out, const measured *w, const int *index,
 
 /* ---- alternatives ---- */
 
-static int by_probability(const void *a, const void *b)
-{
-    const mukca_alternative *x = a, *y = b;
-    return (x->probability < y->probability) - (x->probability > y->probability);
-}
+MUKCA_FALLING(by_probability, mukca_alternative, probability)
 
 /* Probability of each label, and its most probable candidate. */
 static void weigh_labels(double *probability, int *item, double *best, const measured *w)
@@ -195,7 +192,7 @@ static mukca_alternative alternative_of(const measured *w, int label, int item, 
                              .from = l->from,
                              .to = l->to,
                              .probability = fmin(probability, 1),
-                             .amplitude = {NAN, NAN, NAN}};
+                             .amplitude = MUKCA_ESTIMATE_NONE};
     out.effect = mukca_candidate_effect(h);
     if (!out.listed) out.effect.kind = MUKCA_EFFECT_COUNT;
     return out;
@@ -379,7 +376,7 @@ bool mukca_findings_measure(mukca_diagnosis *d, mukca_search *id, const mukca_la
         mukca_finding *f = finding_at(d, i);
         describe(f, &w, &t);
         f->size_m = mukca_gaussians_estimate(&t.size[i], scale, true);
-        f->coefficient = (mukca_estimate){NAN, NAN, NAN};
+        f->coefficient = MUKCA_ESTIMATE_NONE;
         if (t.weight[i] > 0 && t.fit[i] > ONE_QUANTITY * t.weight[i])
             f->coefficient = mukca_gaussians_estimate(&t.coefficient[i], 1, false);
         const int item = quantity_of(f, &w, &t);

@@ -1,11 +1,12 @@
 /* Findings of a diagnosis: the posterior over sets of causes, with labels, and sizes. */
 #include "diagnose/findings.h"
-#include "diagnose/halves.h"
-#include "math/stats.h"
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
+
+#include "base/order.h"
+#include "diagnose/halves.h"
+#include "math/stats.h"
 
 /* Probability of the sets that are left out: below what any statement resolves; of halves, what
  * their mean resolves. */
@@ -120,11 +121,7 @@ static bool label_half(mukca_labelled_sets *out, mukca_pool *pool, mukca_half *h
                                        .left_out = LEFT_OUT_OF_HALVES});
 }
 
-static int by_size(const void *a, const void *b)
-{
-    const mukca_finding *x = a, *y = b;
-    return (x->size_m.value < y->size_m.value) - (x->size_m.value > y->size_m.value);
-}
+MUKCA_FALLING(by_size, mukca_finding, size_m.value)
 
 typedef struct {
     mukca_halves *halves;

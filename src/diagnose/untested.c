@@ -4,6 +4,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/order.h"
+
 /* Log evidence grows as amplitude^2 information / 2 and must exceed the prior odds, Occam's factor
  * and the threshold: some 12 in all. */
 #define LEAST_EVIDENCE 12.0
@@ -31,11 +33,7 @@ static void add(mukca_diagnosis *d, int kind, int joint, const char *why)
                                               .why = why};
 }
 
-static int by_odds(const void *a, const void *b)
-{
-    const mukca_tested *x = a, *y = b;
-    return (x->log_odds < y->log_odds) - (x->log_odds > y->log_odds);
-}
+MUKCA_FALLING(by_odds, mukca_tested, log_odds)
 
 /* Add the effects without a candidate, as a whole or at a joint. */
 static void add_missing(mukca_diagnosis *d, const mukca_candidates *all)

@@ -1,9 +1,11 @@
 /* The verdict on the identified sets of causes: names, unexplained structure, location. */
 #include "diagnose/cause.h"
-#include "diagnose/label.h"
 
 #include <math.h>
 #include <stdlib.h>
+
+#include "base/order.h"
+#include "diagnose/label.h"
 
 /* Least size of an outlier that is reported as a fault, in sigmas of the noise. */
 #define OUTLIER_SIGMAS 12
@@ -82,12 +84,7 @@ static void find_where(mukca_diagnosis *d, const mukca_search *id, bool unknown)
     qsort(d->where, (size_t)d->n_where, sizeof *d->where, by_share);
 }
 
-static int by_evidence(const void *a, const void *b)
-{
-    const mukca_cause *x = a, *y = b;
-    return (x->log_bayes_factor < y->log_bayes_factor) -
-           (x->log_bayes_factor > y->log_bayes_factor);
-}
+MUKCA_FALLING(by_evidence, mukca_cause, log_bayes_factor)
 
 /* The first set with a member of each finding. */
 static const mukca_causes *choose_set(const mukca_diagnosis *d, const mukca_search *id)
