@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/order.h"
 #include "math/stats.h"
 
 enum {
@@ -107,16 +108,13 @@ static int insert(mukca_sets *sets, const mukca_causes *set, const int *index, i
     return mukca_sets_insert(sets, item, size, count);
 }
 
-static bool same_causes(const mukca_causes *a, const mukca_causes *b)
-{
-    return a->n == b->n && memcmp(a->candidate, b->candidate, sizeof(int) * (size_t)a->n) == 0;
-}
-
 /* Was an earlier pass linearised at this set?  Then passes would alternate forever. */
 static bool recurs(const mukca_search *id, const mukca_causes *set)
 {
+    const size_t size = sizeof *set->candidate * (size_t)set->n;
     bool found = false;
-    for (int p = 0; p < id->n_passed; p++) found |= same_causes(&id->passed[p], set);
+    for (const mukca_causes *p = id->passed; p < id->passed + id->n_passed; p++)
+        found |= p->n == set->n && memcmp(p->candidate, set->candidate, size) == 0;
     return found;
 }
 
@@ -140,20 +138,9 @@ static bool search(mukca_search *id, mukca_causes *best, bool last)
     id->settled = recurs(id, &next) || (before >= 0 && (best->n || !found->n) &&
                                         sets->set[before].value > found->value - SETTLED);
     id->passed[id->n_passed++] = *best;
-    if (id->settled || last) {
-        mukca_sets_explore(&id->sets, BUDGET - QUICK, true);
-    }
+    if (id->settled || last) mukca_sets_explore(&id->sets, BUDGET - QUICK, true);
     *best = causes_of(id, &sets->set[sets->best]);
     return !pool->failed;
-}
-
-static bool watch(const mukca_search *id, double progress, mukca_error *error)
-{
-    const mukca_diagnose_options *o = id->options;
-    if (!o->progress || o->progress(o->progress_context, progress, "comparing sets of causes"))
-        return true;
-    mukca_fail(error, MUKCA_INTERRUPTED, "interrupted");
-    return false;
 }
 
 static mukca_status no_memory(mukca_error *error)
@@ -205,7 +192,10 @@ static bool weigh_family(double *value, mukca_search *id, const mukca_causes *se
     return ok;
 }
 
-/* Average the posterior of the sets of the last search over the families of the noise. */
+MUKCA_FALLING(by_weight, mukca_causes, weight)
+
+/* Average the posterior of the sets of the last search over the families of the noise, and rank
+ * them by it. */
 static mukca_status average(mukca_search *id, mukca_error *error)
 {
     mukca_sets *sets = &id->sets;
@@ -214,7 +204,7 @@ static mukca_status average(mukca_search *id, mukca_error *error)
     double *total = MUKCA_TAKE(&id->pool, double, SETS),
            *value = MUKCA_TAKE(&id->pool, double, SETS);
     id->set = MUKCA_TAKE(&id->pool, mukca_causes, SETS);
-    if (id->pool.failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory for sets of causes");
+    if (id->pool.failed) return no_memory(error);
     int n = 0, index[EVALUATED];
     for (int i = 0; i < sets->n_sets; i++) order[i] = (mukca_ranked){sets->set[i].value, i};
     qsort(order, (size_t)sets->n_sets, sizeof *order, mukca_by_odds);
@@ -244,13 +234,8 @@ static mukca_status average(mukca_search *id, mukca_error *error)
     }
     const double sum = mukca_stats_log_sum_exp(total, n);
     for (int i = 0; i < n; i++) id->set[i].weight = exp(total[i] - sum);
+    qsort(id->set, (size_t)n, sizeof *id->set, by_weight);
     return MUKCA_OK;
-}
-
-static int by_weight(const void *a, const void *b)
-{
-    const mukca_causes *x = a, *y = b;
-    return (x->weight < y->weight) - (x->weight > y->weight);
 }
 
 /* Compute the functions of the angles at the present linearisation, with the tip moved by at most
@@ -271,13 +256,15 @@ static mukca_status search_all(mukca_search *id, mukca_causes *best, double *tai
                                mukca_error *error)
 {
     mukca_regression *m = id->m;
-    mukca_status status = MUKCA_OK;
+    const mukca_diagnose_options *o = id->options;
     id->n_passed = 0;
     id->settled = false;
     if (!id->listed) id->n_kept = 0;
-    for (int p = 1; p <= MUKCA_PASSES && status == MUKCA_OK && !id->settled; p++) {
-        const double done = (p - 1.0) / MUKCA_PASSES;
-        if (!watch(id, 0.1 + 0.25 * (tails ? 1 + done : done), error)) return MUKCA_INTERRUPTED;
+    for (int p = 1; p <= MUKCA_PASSES && !id->settled; p++) {
+        const double done = (tails ? 1 : 0) + (p - 1.0) / MUKCA_PASSES;
+        if (o->progress &&
+            !o->progress(o->progress_context, 0.1 + 0.25 * done, "comparing sets of causes"))
+            return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted");
         if (p > 1 || tails || id->listed) {
             mukca_identify_fit(id, best);
             if (!id->listed && mukca_screening_reinstate(id->diagnosis, m))
@@ -287,9 +274,9 @@ static mukca_status search_all(mukca_search *id, mukca_causes *best, double *tai
         }
         mukca_regression_choose_share(m);
         if (tails) mukca_regression_choose_tails(m, tails);
-        status = pass(id, best, p == MUKCA_PASSES, error);
+        MUKCA_TRY(pass(id, best, p == MUKCA_PASSES, error));
     }
-    return status;
+    return MUKCA_OK;
 }
 
 /* Is Student's noise more probable, with the set or with none? */
@@ -312,13 +299,6 @@ static bool has_heavy_tails(mukca_search *id, const mukca_causes *set, double *t
     return heavy[0] || (heavy[1] && value[1] > value[0]);
 }
 
-static mukca_status rank(mukca_search *id, mukca_error *error)
-{
-    const mukca_status status = average(id, error);
-    if (status == MUKCA_OK) qsort(id->set, (size_t)id->n_sets, sizeof *id->set, by_weight);
-    return status;
-}
-
 mukca_status mukca_identify_run(mukca_search *id, mukca_error *error)
 {
     mukca_regression *m = id->m;
@@ -339,15 +319,15 @@ mukca_status mukca_identify_run(mukca_search *id, mukca_error *error)
     mukca_regression_freeze(m);
     MUKCA_TRY(search_all(id, &best, NULL, error));
     if (!m->recording.repeats && has_heavy_tails(id, &best, tails)) id->tails = tails;
-    return rank(id, error);
+    return average(id, error);
 }
 
 mukca_status mukca_identify_with_tails(mukca_search *id, mukca_error *error)
 {
     mukca_causes best = {0}; /* causes that only explain large errors are not to persist */
     if (!id->tails) return MUKCA_OK;
-    const mukca_status status = search_all(id, &best, id->tails, error);
-    return status == MUKCA_OK ? rank(id, error) : status;
+    MUKCA_TRY(search_all(id, &best, id->tails, error));
+    return average(id, error);
 }
 
 static bool is_listed(const mukca_search *id, int candidate)
@@ -369,8 +349,8 @@ mukca_status mukca_identify_listed(mukca_search *id, mukca_error *error)
         }
     id->n_kept = n;
     id->listed = true;
-    const mukca_status status = search_all(id, &best, id->tails, error);
-    return status == MUKCA_OK ? rank(id, error) : status;
+    MUKCA_TRY(search_all(id, &best, id->tails, error));
+    return average(id, error);
 }
 
 void mukca_identify_settle(mukca_search *id)
