@@ -116,19 +116,21 @@ static const mukca_effect_sizes *sizes_of(int class)
     return sizes ? sizes : &mukca_sizes_angle;
 }
 
-int mukca_candidate_scales(double *scale, double *log_weight, const mukca_candidate *h)
+mukca_mixture mukca_candidate_mixture(const mukca_candidate *h)
 {
     /* Rms of an unknown function of a joint, rad: arms often show 0.1 mrad, hardly ever 10. */
     static const double unknown[] = {0.1e-3, 0.3e-3, 1e-3, 3e-3, 10e-3};
     static const double frequency[] = {1, 0.5, 0.2, 0.1, 0.03};
+    mukca_mixture prior = {.nonnegative = h->kind == MUKCA_CANDIDATE_EFFECT &&
+                                          mukca_effect_table[h->effect.kind]->nonnegative};
     const int class = mukca_candidate_class(h);
     double total = 0;
     int n = 0;
     const bool spring = class == MUKCA_CLASS_UNKNOWN && mukca_candidate_is_flexible(h);
     if (class == MUKCA_CLASS_UNKNOWN && !spring) {
         for (; n < COUNT(unknown); n++) {
-            scale[n] = unknown[n];
-            total += log_weight[n] = frequency[n];
+            prior.size[n] = unknown[n];
+            total += prior.log_weight[n] = frequency[n];
         }
     } else {
         const mukca_effect_sizes *sizes = spring ? &mukca_sizes_spring : sizes_of(class);
@@ -137,19 +139,12 @@ int mukca_candidate_scales(double *scale, double *log_weight, const mukca_candid
         for (int i = 0; i < MUKCA_MAX_SIZES && sizes->sigma[i] > 0; i++) {
             const bool rare = i >= sizes->usual;
             if (rare && sizes->most > 0 && sizes->sigma[i] * unit > sizes->most) break;
-            scale[n] = sizes->sigma[i] * unit;
-            total += log_weight[n++] = rare ? MUKCA_RARE_SIZE : 1;
+            prior.size[n] = sizes->sigma[i] * unit;
+            total += prior.log_weight[n++] = rare ? MUKCA_RARE_SIZE : 1;
         }
     }
-    for (int i = 0; i < n; i++) log_weight[i] = log(log_weight[i] / total);
-    return n;
-}
-
-mukca_mixture mukca_candidate_mixture(const mukca_candidate *h)
-{
-    mukca_mixture prior = {.nonnegative = h->kind == MUKCA_CANDIDATE_EFFECT &&
-                                          mukca_effect_table[h->effect.kind]->nonnegative};
-    prior.n_sizes = mukca_candidate_scales(prior.size, prior.log_weight, h);
+    for (int i = 0; i < n; i++) prior.log_weight[i] = log(prior.log_weight[i] / total);
+    prior.n_sizes = n;
     return prior;
 }
 

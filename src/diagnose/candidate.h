@@ -152,11 +152,7 @@ double mukca_candidate_fault_share(const mukca_candidate *candidate,
 bool mukca_candidate_changes_pair(const mukca_candidate *candidate,
                                   const mukca_recording *recording, int pair);
 
-/* Prior scales of coefficient * unit over which a candidate is averaged, with the logarithms of
- * their weights; returns their number, at most MUKCA_MAX_SIZES. */
-int mukca_candidate_scales(double *scale, double *log_weight, const mukca_candidate *candidate);
-
-/* The same as a mixture, for columns per unit. */
+/* Prior scales of coefficient * unit over which a candidate is averaged, for columns per unit. */
 mukca_mixture mukca_candidate_mixture(const mukca_candidate *candidate);
 
 /* Key of the candidates of which a set contains one at most: variants of one cause. */

@@ -128,13 +128,14 @@ static bool contends(const mukca_evidence *evidence, int index, double best)
 static void choose_cause(mukca_unknowns *u, mukca_accepted *cause, mukca_evidence *evidence,
                          const mukca_normal_equations *normal)
 {
-    double scales[MUKCA_MAX_SIZES], weight[MUKCA_MAX_SIZES], best = -HUGE_VAL, chosen = 0;
-    const int n = mukca_candidate_scales(scales, weight, &cause->candidate);
-    for (int i = 0; i < n; i++) {
-        cause->scale = scales[i];
+    const mukca_mixture prior = mukca_candidate_mixture(&cause->candidate);
+    double best = -HUGE_VAL, chosen = 0;
+    for (int i = 0; i < prior.n_sizes; i++) {
+        cause->scale = prior.size[i];
         mukca_unknowns_prior(evidence->posterior.prior, u, -1);
-        const double value = weight[i] + mukca_evidence_evaluate(evidence, normal, u->sigma, NULL);
-        if (value > best) best = value, chosen = scales[i];
+        const double value =
+            prior.log_weight[i] + mukca_evidence_evaluate(evidence, normal, u->sigma, NULL);
+        if (value > best) best = value, chosen = prior.size[i];
     }
     cause->scale = chosen;
     mukca_unknowns_prior(evidence->posterior.prior, u, -1);
@@ -221,11 +222,10 @@ double mukca_regression_score(mukca_regression *m)
     for (int c = 0; c < m->unknowns.n_causes; c++) {
         const mukca_accepted *cause = &m->unknowns.cause[c];
         if (cause->known) continue;
-        double scales[MUKCA_MAX_SIZES], weight[MUKCA_MAX_SIZES];
-        const int n = mukca_candidate_scales(scales, weight, &cause->candidate);
+        const mukca_mixture prior = mukca_candidate_mixture(&cause->candidate);
         int at = 0;
-        while (at + 1 < n && scales[at] != cause->scale) at++;
-        score += cause->candidate.log_prior + weight[at];
+        while (at + 1 < prior.n_sizes && prior.size[at] != cause->scale) at++;
+        score += cause->candidate.log_prior + prior.log_weight[at];
     }
     return score;
 }

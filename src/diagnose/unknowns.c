@@ -233,10 +233,10 @@ bool mukca_unknowns_add(mukca_unknowns *u, const mukca_candidate *candidate)
 {
     const int used = mukca_unknowns_column(u, u->n_causes) + candidate->terms;
     if (u->n_causes == MUKCA_MAX_ACCEPTED || used > mukca_unknowns_capacity(u)) return false;
-    double scales[MUKCA_MAX_SIZES], weight[MUKCA_MAX_SIZES];
-    const int n = mukca_candidate_scales(scales, weight, candidate);
+    const mukca_mixture prior = mukca_candidate_mixture(candidate);
     for (int k = 0; k < u->n_models; k++) u->model[k] |= UINT64_C(1) << u->n_causes;
-    u->cause[u->n_causes++] = (mukca_accepted){.candidate = *candidate, .scale = scales[n / 2]};
+    u->cause[u->n_causes++] =
+        (mukca_accepted){.candidate = *candidate, .scale = prior.size[prior.n_sizes / 2]};
     return true;
 }
 
