@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/clones.h"
+#include "infer/given.h"
 #include "math/dense.h"
 #include "math/four.h"
 
@@ -192,14 +193,6 @@ typedef struct {
     int n;
 } guesses;
 
-/* Can the joint's travel show a wave? */
-static bool shows_waves(const mukca_scan *s, int joint)
-{
-    double travel[2];
-    mukca_recording_travel(travel, &s->m->recording, joint);
-    return s->all->survey.joint[joint].turns && travel[1] - travel[0] >= MUKCA_WAVE_TRAVEL;
-}
-
 /* The geometry absorbs little of a short wave: all have nearly the same information, and the
  * gradient is exact. */
 static void weigh_orders(void *context, int index, int worker)
@@ -232,61 +225,40 @@ static void weigh_orders(void *context, int index, int worker)
     }
 }
 
-/* The most promising order by the odds. */
-static int best_order(const double *odds)
-{
-    int order = 2;
-    for (int o = 3; o <= MUKCA_LAST_ORDER; o++)
-        if (odds[o] > odds[order]) order = o;
-    return order;
-}
-
-/* Add the promising orders of an effect of the catalogue. */
-static mukca_status add_effect(mukca_scan *s, const guess *of, mukca_error *error)
-{
-    mukca_status status = MUKCA_OK;
-    for (int k = 0; k < ADDED && status == MUKCA_OK; k++) {
-        const int order = best_order(of->odds);
-        if (!(of->odds[order] > LEAST_ODDS)) break;
-        of->odds[order] = -HUGE_VAL;
-        status = mukca_candidates_add_order(s->all, of->h, order, error);
-    }
-    return status;
-}
-
-/* Add the most promising waves of the frames of the geometry, which are outside the catalogue. */
-static mukca_status add_frames(mukca_scan *s, const guess *list, int n, mukca_error *error)
+/* Add the most promising orders of all guesses, at most `most`. */
+static mukca_status add_best(mukca_scan *s, const guess *list, int n, int most, mukca_error *error)
 {
     struct {
         double odds;
         int order;
         const guess *of;
-    } best[ADDED_FRAMES];
-    mukca_status status = MUKCA_OK;
-    for (int k = 0; k < ADDED_FRAMES; k++) best[k].odds = LEAST_ODDS;
+    } best[ADDED];
+    for (int k = 0; k < most; k++) best[k].odds = LEAST_ODDS;
     for (int i = 0; i < n; i++)
         for (;;) {
-            const int order = best_order(list[i].odds);
+            const int order = 2 + mukca_set_largest(list[i].odds + 2, MUKCA_LAST_ORDER - 1);
             int least = 0;
-            for (int k = 1; k < ADDED_FRAMES; k++)
+            for (int k = 1; k < most; k++)
                 if (best[k].odds < best[least].odds) least = k;
             if (!(list[i].odds[order] > best[least].odds)) break;
             best[least].odds = list[i].odds[order], best[least].order = order;
             best[least].of = &list[i];
             list[i].odds[order] = -HUGE_VAL;
         }
-    for (int k = 0; k < ADDED_FRAMES && status == MUKCA_OK; k++)
+    for (int k = 0; k < most; k++)
         if (best[k].odds > LEAST_ODDS)
-            status = mukca_candidates_add_order(s->all, best[k].of->h, best[k].order, error);
-    return status;
+            MUKCA_TRY(mukca_candidates_add_order(s->all, best[k].of->h, best[k].order, error));
+    return MUKCA_OK;
 }
 
-/* Append a candidate whose orders are to be weighed. */
+/* Append a candidate whose orders are to be weighed, if its joint's travel can show a wave. */
 static void append(guesses *to, mukca_pool *pool, mukca_candidate h)
 {
-    if (!shows_waves(to->scan, h.joint)) return;
-    to->list[to->n] = (guess){h, MUKCA_TAKE(pool, double, MUKCA_LAST_ORDER + 1)};
-    to->n++;
+    const mukca_scan *s = to->scan;
+    double travel[2];
+    mukca_recording_travel(travel, &s->m->recording, h.joint);
+    if (!s->all->survey.joint[h.joint].turns || travel[1] - travel[0] < MUKCA_WAVE_TRAVEL) return;
+    to->list[to->n++] = (guess){h, MUKCA_TAKE(pool, double, MUKCA_LAST_ORDER + 1)};
 }
 
 /* Add the promising orders of periodic candidates. */
@@ -327,14 +299,11 @@ static mukca_status add_orders(mukca_scan *s, mukca_pool *pool, const double *u,
     }
     if (pool->failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d samples", N);
     mukca_workers_run(workers, to.n, weigh_orders, &to);
-    mukca_status status = MUKCA_OK;
-    for (int i = 0; i < effects && status == MUKCA_OK; i++)
-        status = add_effect(s, &to.list[i], error);
-    if (status == MUKCA_OK) status = add_frames(s, to.list + effects, to.n - effects, error);
-    if (status == MUKCA_OK)
-        mukca_scan_score(s->value + first, s->information + first, s, all->list + first, NULL,
-                         all->count - first);
-    return status;
+    for (int i = 0; i < effects; i++) MUKCA_TRY(add_best(s, &to.list[i], 1, ADDED, error));
+    MUKCA_TRY(add_best(s, to.list + effects, to.n - effects, ADDED_FRAMES, error));
+    mukca_scan_score(s->value + first, s->information + first, s, all->list + first, NULL,
+                     all->count - first);
+    return MUKCA_OK;
 }
 
 mukca_status mukca_scan_run(mukca_scan *s, bool orders, mukca_error *error)
