@@ -161,19 +161,6 @@ static void fit(mukca_regression *m, const mukca_search *id, bool every)
     mukca_regression_linearise(m);
 }
 
-/* Probability that a cause outside the catalogue is present. */
-static double unlisted_probability(const mukca_search *id)
-{
-    double sum = 0;
-    for (int s = 0; s < id->n_sets; s++) {
-        bool in = false;
-        for (int k = 0; k < id->set[s].n; k++)
-            in |= id->all.list[id->set[s].candidate[k]].kind == MUKCA_CANDIDATE_UNLISTED;
-        sum += in ? id->set[s].weight : 0;
-    }
-    return sum;
-}
-
 mukca_status mukca_averaged_fit(mukca_regression *m, mukca_search *id, mukca_error *error)
 {
     mukca_shrink gain = {0};
@@ -187,7 +174,7 @@ mukca_status mukca_averaged_fit(mukca_regression *m, mukca_search *id, mukca_err
         !mukca_unknowns_clone(&kept, &m->pool, &m->unknowns))
         return MUKCA_OK; /* the pool keeps a failure */
     mukca_folds_run(before, &b, false);
-    if (unlisted_probability(id) >= NEGLIGIBLE) {
+    if (mukca_verdict_probability(id, MUKCA_CLASS_UNKNOWN) >= NEGLIGIBLE) {
         MUKCA_TRY(mukca_identify_listed(id, error));
         mukca_identify_settle(id);
     }

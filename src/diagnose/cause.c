@@ -67,23 +67,16 @@ static void measure(mukca_cause *out, mukca_regression *m, int index)
         out->low = fmax(out->low, 0);
 }
 
-/* A set of the last search with these candidates, but one. */
-static mukca_set set_without(mukca_search *id, const mukca_causes *set, int without)
-{
-    int item[MUKCA_SET_ITEMS], n = 0;
-    for (int k = 0; k < id->n_kept; k++)
-        for (int i = 0; i < set->n; i++)
-            if (i != without && set->candidate[i] == id->kept[k]) item[n++] = k;
-    const int at = mukca_sets_insert(&id->sets, item, NULL, n);
-    return id->sets.set[at < 0 ? 0 : at];
-}
-
 double mukca_cause_gain(mukca_search *id, const mukca_causes *set, int member)
 {
-    const mukca_set rest = set_without(id, set, member);
-    const int item = mukca_identify_item(id, set->candidate[member]);
-    return item >= 0 && mukca_sets_weigh(&id->sets, &rest) ? mukca_sets_gain(&id->sets, &rest, item)
-                                                           : -HUGE_VAL;
+    int others[MUKCA_SET_ITEMS] = {0}, n = 0, own = -1; /* items of the last search */
+    for (int k = 0; k < id->n_kept; k++)
+        for (int i = 0; i < set->n; i++)
+            if (set->candidate[i] == id->kept[k]) *(i == member ? &own : &others[n++]) = k;
+    const int at = mukca_sets_insert(&id->sets, others, NULL, n);
+    const mukca_set *rest = &id->sets.set[at < 0 ? 0 : at];
+    return own >= 0 && mukca_sets_weigh(&id->sets, rest) ? mukca_sets_gain(&id->sets, rest, own)
+                                                         : -HUGE_VAL;
 }
 
 bool mukca_cause_is_in(const mukca_search *id, const mukca_causes *set,
@@ -171,17 +164,4 @@ void mukca_cause_describe(mukca_cause *out, mukca_search *id, const mukca_causes
         out->creep = h->fault.shape == MUKCA_FAULT_GROWING;
     }
     measure(out, id->m, member);
-}
-
-int mukca_cause_find(const mukca_regression *m, const mukca_cause *cause)
-{
-    for (int c = 0; c < m->unknowns.n_causes; c++) {
-        const mukca_candidate *h = &m->unknowns.cause[c].candidate;
-        if (mukca_candidate_class(h) >= MUKCA_EFFECT_COUNT) continue;
-        const mukca_effect effect = mukca_candidate_effect(h);
-        if (mukca_effect_same(&effect, &cause->effect) &&
-            (cause->socket < 0 || m->recording.groups[h->fault.group].socket == cause->socket))
-            return c;
-    }
-    return -1;
 }

@@ -23,12 +23,12 @@ bool mukca_cause_is_in(const mukca_search *id, const mukca_causes *set,
 void mukca_cause_describe(mukca_cause *cause, mukca_search *id, const mukca_causes *best,
                           int member);
 
-/* Index of the accepted cause of a description; -1: none. */
-int mukca_cause_find(const mukca_regression *m, const mukca_cause *cause);
-
 /* Part of the explained that findings of one effect at one joint must have for `named`, and of the
  * largest finding's probability that must lie outside the catalogue for `unknown`. */
 #define MUKCA_VERDICT_HALF 0.5
+
+/* Probability of the sets with a member of a class, or (-1) with any but outliers. */
+double mukca_verdict_probability(const mukca_search *id, int class);
 
 /* The verdict: what makes up half of the explained part.  Without a finding, structure that is sure
  * has no place.  any, outside: probability of the sets with any cause, and with one outside the

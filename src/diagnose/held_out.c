@@ -4,7 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "diagnose/cause.h"
 #include "diagnose/label.h"
 
 /* Must the folds be sockets?  An effect of one placement cannot be predicted without this
@@ -106,8 +105,14 @@ static void measure_explained(measurement *s)
 /* The i-th identified cause among those fitted, if it acts on the arm; -1: none. */
 static int acting(const measurement *s, int i)
 {
-    const int c = mukca_cause_find(s->b->m, &s->d->causes[i]);
-    return c >= 0 && s->b->m->unknowns.cause[c].candidate.basis ? c : -1;
+    const mukca_unknowns *u = &s->b->m->unknowns;
+    for (int c = 0; c < u->n_causes; c++) {
+        const mukca_candidate *h = &u->cause[c].candidate;
+        if (h->kind == MUKCA_CANDIDATE_EFFECT && h->basis &&
+            mukca_effect_same(&h->effect, &s->d->causes[i].effect))
+            return c;
+    }
+    return -1;
 }
 
 /* Error without a cause, fitted again, since the geometry absorbs part of it. */

@@ -367,10 +367,3 @@ void mukca_identify_free(mukca_search *id)
     mukca_pool_free(&id->search_pool);
     mukca_pool_free(&id->pool);
 }
-
-int mukca_identify_item(const mukca_search *id, int candidate)
-{
-    for (int i = 0; i < id->n_kept; i++)
-        if (id->kept[i] == candidate) return i;
-    return -1;
-}

@@ -70,7 +70,4 @@ void mukca_identify_free(mukca_search *id);
 /* Fit the regression to a set. */
 void mukca_identify_fit(mukca_search *id, const mukca_causes *set);
 
-/* Item of a candidate of the list in the last search, -1: none. */
-int mukca_identify_item(const mukca_search *id, int candidate);
-
 #endif

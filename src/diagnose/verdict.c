@@ -97,8 +97,7 @@ static const mukca_causes *choose_set(const mukca_diagnosis *d, const mukca_sear
     return &id->set[0];
 }
 
-/* Probability of the sets with a member of the class, or (-1) with any but outliers. */
-static double probability_of(const mukca_search *id, int class)
+double mukca_verdict_probability(const mukca_search *id, int class)
 {
     double sum = 0;
     for (int i = 0; i < id->n_sets; i++) {
@@ -192,7 +191,8 @@ void mukca_verdict_reach(mukca_diagnosis *d, mukca_search *id)
 {
     mukca_regression *m = id->m;
     const mukca_causes *best = choose_set(d, id);
-    const double any = probability_of(id, -1), unknown = probability_of(id, MUKCA_CLASS_UNKNOWN);
+    const double any = mukca_verdict_probability(id, -1),
+                 unknown = mukca_verdict_probability(id, MUKCA_CLASS_UNKNOWN);
     if (best != &id->set[0]) mukca_identify_fit(id, best);
     mukca_regression_factor(m); /* intervals are those of the full model */
     d->structure = -HUGE_VAL;
