@@ -15,14 +15,6 @@ mukca_status mukca_logs_compare(mukca_logs *logs, mukca_recording_options *optio
                                 const mukca_chain *chain, const mukca_dataset *data,
                                 mukca_error *error);
 
-/* Assign to each test log the frames of the training log of its target; without names, of the one
- * with the smallest error.  Returns the first log of a target without training data. */
-int mukca_logs_match(mukca_regression *test, const mukca_regression *training);
-
-/* Set the target offsets of the logs from `first` on: the mean of the measurements in the tip frame
- * of the present arm. */
-void mukca_logs_place_targets(mukca_regression *test, int first);
-
 /* ---- streams.c ---- */
 
 /* Compare the angles joint by joint: regression of the difference on the gravity torque.  `streams`

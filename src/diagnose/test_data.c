@@ -1,6 +1,8 @@
 /* Errors on test data, which no fit uses (--test). */
 #include "diagnose/held_out.h"
-#include "diagnose/logs.h"
+
+#include <math.h>
+#include <string.h>
 
 /* Where the state that a cause depends on is unknown, the mean of the training is expected. */
 static void take_mean(mukca_candidate *cause, int n_rows, const mukca_candidate *trained, int n)
@@ -38,6 +40,89 @@ static bool carry_causes(mukca_regression *t, const mukca_regression *m)
     return true;
 }
 
+/* Match test logs by the names of their targets; targets without training data are numbered after
+ * the training logs.  Returns the first of these. */
+static int match_targets(mukca_regression *test, const mukca_regression *training)
+{
+    const mukca_recording *from = &training->recording;
+    const mukca_dataset *known = from->data, *data = test->recording.data;
+    const int first = from->n_logs;
+    for (int row = 0; row < data->n_rows; row++) {
+        const int t = mukca_dataset_target(data, row);
+        if (data->socket[row] >= 0) continue;
+        int log = t < 0 ? 0 : first + t;
+        for (int k = 0; k < known->n_rows && log >= first; k++) {
+            const int target = mukca_dataset_target(known, k);
+            if (target >= 0 && strcmp(known->targets[target], data->targets[t]) == 0)
+                log = from->log[k];
+        }
+        test->recording.log[row] = log < MUKCA_MAX_LOGS ? log : 0;
+    }
+    if (test->unknowns.n_targets < 2) test->unknowns.n_targets = 2; /* applies the shifts */
+    return first;
+}
+
+/* Set the target offsets of the logs from `first` on: the mean of the measurements in the tip frame
+ * of the present arm. */
+static void place_targets(mukca_regression *test, int first)
+{
+    const mukca_recording *r = &test->recording;
+    mukca_unknowns *u = &test->unknowns;
+    for (int log = first; log < MUKCA_MAX_LOGS; log++) {
+        double sum[3] = {0};
+        int n = 0;
+        u->log.tracker[log] = u->log.tracker[0];
+        for (int row = 0; row < r->data->n_rows; row++) {
+            if (r->log[row] != log || r->data->socket[row] >= 0) continue;
+            double measured[3], local[3];
+            mukca_frame tip;
+            mukca_displacement d;
+            mukca_unknowns_displacement(&d, u, r->chain->n_joints, row);
+            mukca_fk_pose(&tip, &u->geometry, r->data->q + (size_t)row * (size_t)r->chain->n_joints,
+                          u->n_causes ? &d : NULL);
+            mukca_unknowns_to_base(measured, u, log, r->data->position + 3 * (size_t)row);
+            for (int c = 0; c < 3; c++) measured[c] -= tip.p[c];
+            mukca_mat3_tvec(local, tip.R, measured);
+            for (int c = 0; c < 3; c++) sum[c] += local[c];
+            n++;
+        }
+        u->log.shift[log] = (mukca_frame){.R = MUKCA_IDENTITY};
+        for (int c = 0; c < 3 && n; c++) u->log.shift[log].p[c] = sum[c] / n;
+    }
+}
+
+/* Assign to each test log the frames of the training log of its target; without names, of the one
+ * with the smallest error.  Returns the first log of a target without training data. */
+static int match_logs(mukca_regression *test, const mukca_regression *training)
+{
+    const mukca_recording *from = &training->recording;
+    mukca_recording *r = &test->recording;
+    const int rows = r->data->n_rows, n = r->n_logs;
+    test->unknowns.n_targets = training->unknowns.n_targets;
+    if (r->data->n_targets > 0) return match_targets(test, training);
+    int match[MUKCA_MAX_LOGS] = {0};
+    double least[MUKCA_MAX_LOGS];
+    for (int log = 0; log < n; log++) least[log] = HUGE_VAL;
+    const bool per_log = from->options.base_per_log || from->options.tool_per_log;
+    for (int g = 0; per_log && g < from->n_logs; g++)
+        for (int log = 0; log < n; log++) {
+            int count = 0;
+            double sum = 0;
+            for (int row = 0; row < rows; row++) {
+                if (r->log[row] != log || r->data->socket[row] >= 0) continue;
+                double p[3];
+                r->log[row] = g;
+                mukca_unknowns_predict(p, &test->unknowns, r, row);
+                r->log[row] = log;
+                for (int c = 0; c < 3; c++) p[c] -= r->data->position[3 * (size_t)row + (size_t)c];
+                sum += sqrt(mukca_dot3(p, p)), count++;
+            }
+            if (count && sum / count < least[log]) least[log] = sum / count, match[log] = g;
+        }
+    for (int row = 0; row < rows; row++) r->log[row] = match[r->log[row]];
+    return MUKCA_MAX_LOGS;
+}
+
 mukca_status mukca_test_data_measure(mukca_diagnosis *d, double *of_geometry,
                                      const mukca_regression *m, const mukca_arm_state *geometry,
                                      const mukca_dataset *test, mukca_error *error)
@@ -67,7 +152,7 @@ mukca_status mukca_test_data_measure(mukca_diagnosis *d, double *of_geometry,
     const mukca_arm_state *const step[3] = {&arm[0], geometry, &arm[1]};
     double *const result[3] = {&d->test_nominal_m, &d->test_geometry_m, &d->test_explained_m};
     mukca_unknowns_set_arm(&t->unknowns, geometry);
-    const int untrained = mukca_logs_match(t, m);
+    const int untrained = match_logs(t, m);
     d->n_test_placements = test->n_placements;
     d->test_placement_mae_m = MUKCA_TAKE(&d->pool, double, test->n_placements + 1);
     d->before_m = MUKCA_TAKE(&d->pool, double, rows);
@@ -77,7 +162,7 @@ mukca_status mukca_test_data_measure(mukca_diagnosis *d, double *of_geometry,
         if (s == 2 && !carry_causes(t, m)) break;
         row_error = rows_of[s];
         mukca_unknowns_set_arm(&t->unknowns, step[s]);
-        mukca_logs_place_targets(t, untrained);
+        place_targets(t, untrained);
         for (int row = 0; row < rows; row++)
             mukca_unknowns_predict(position + 3 * row, &t->unknowns, &t->recording, row);
         mukca_folds_errors(row_error, t, position, t->recording.keep, false);
