@@ -182,16 +182,12 @@ static bool search(mukca_half *half, mukca_pool *pool, const mukca_part_layout *
     return !pool->failed;
 }
 
-static int ascending(const void *a, const void *b)
-{
-    return *(const int *)a - *(const int *)b;
-}
-
 /* The items of the best sets that the whole has met. */
 static bool choose_items(mukca_halves *h, mukca_pool *pool, const mukca_search *id)
 {
     const mukca_sets *sets = &id->sets;
     double *value = MUKCA_TAKE(pool, double, id->n_kept + 1);
+    bool *chosen = MUKCA_TAKE(pool, bool, id->n_kept + 1);
     h->item_of = MUKCA_TAKE(pool, int, id->n_kept + 1);
     h->item = MUKCA_TAKE(pool, mukca_item, id->n_kept + 1);
     if (pool->failed) return false;
@@ -202,22 +198,19 @@ static bool choose_items(mukca_halves *h, mukca_pool *pool, const mukca_search *
             *best = fmax(*best, sets->set[s].value);
         }
     const double least = sets->set[sets->best].value - RELEVANT;
-    int columns = 0;
-    for (;;) {
-        int best = 0;
-        for (int i = 1; i < id->n_kept; i++)
-            if (value[i] > value[best]) best = i;
+    for (int columns = 0;;) {
+        const int best = mukca_set_largest(value, id->n_kept);
         columns += id->question.item[best].terms;
         if (!id->n_kept || !(value[best] > least) || columns > MOST_COLUMNS) break;
         value[best] = -HUGE_VAL;
-        h->item_of[h->n_items++] = best;
+        chosen[best] = true;
     }
-    qsort(h->item_of, (size_t)h->n_items, sizeof *h->item_of, ascending);
-    columns = 0;
-    for (int i = 0; i < h->n_items; i++) {
-        h->item[i] = id->question.item[h->item_of[i]];
-        h->item[i].at = columns;
-        columns += h->item[i].terms;
+    for (int i = 0, columns = 0; i < id->n_kept; i++) {
+        if (!chosen[i]) continue;
+        h->item[h->n_items] = id->question.item[i];
+        h->item[h->n_items].at = columns;
+        columns += id->question.item[i].terms;
+        h->item_of[h->n_items++] = i;
     }
     return true;
 }
