@@ -14,22 +14,24 @@
 #define MOST_ANGLE 10e-3
 #define MOST_LENGTH 20e-3
 
-static bool listed(const mukca_diagnosis *d, int kind, int joint)
+/* Index of an effect at a joint, n_tested: it is not listed. */
+static int find(const mukca_diagnosis *d, int kind, int joint)
 {
-    for (int t = 0; t < d->n_tested; t++)
-        if ((int)d->tested[t].effect == kind && d->tested[t].joint == joint) return true;
-    return false;
+    int t = 0;
+    while (t < d->n_tested && ((int)d->tested[t].effect != kind || d->tested[t].joint != joint))
+        t++;
+    return t;
 }
 
-static void add(mukca_diagnosis *d, int kind, int joint, const char *why)
+/* Append an effect at a joint, not yet scored, if there is room. */
+static void add(mukca_diagnosis *d, int kind, int joint, double score, const char *why)
 {
     if (d->n_tested == MUKCA_MAX_TESTED) return;
     d->tested[d->n_tested++] = (mukca_tested){.effect = (mukca_effect_kind)kind,
                                               .joint = joint,
-                                              .log_bayes_factor = NAN,
-                                              .log_odds = NAN,
+                                              .log_bayes_factor = score,
+                                              .log_odds = score,
                                               .limit = NAN,
-                                              .testable = false,
                                               .why = why};
 }
 
@@ -43,10 +45,10 @@ static void add_missing(mukca_diagnosis *d, const mukca_candidates *all)
         const bool turning = mukca_effect_table[kind]->site == MUKCA_SITE_ROTATION ||
                              mukca_effect_has(kind, MUKCA_TRAIT_PERIODIC);
         const char *why = all->missing[kind];
-        if (why) add(d, kind, -1, why);
+        if (why) add(d, kind, -1, NAN, why);
         for (int j = 0; !why && mukca_effect_has_joint(kind) && j < survey->n_joints; j++)
-            if ((survey->joint[j].turns || !turning) && !listed(d, kind, j))
-                add(d, kind, j, mukca_effect_untested((mukca_effect_kind)kind, survey, j));
+            if ((survey->joint[j].turns || !turning) && find(d, kind, j) == d->n_tested)
+                add(d, kind, j, NAN, mukca_effect_untested((mukca_effect_kind)kind, survey, j));
     }
 }
 
@@ -58,20 +60,11 @@ void mukca_untested_list(mukca_diagnosis *d, const mukca_search *id)
         const mukca_candidate *h = &id->all.list[i];
         const int class = mukca_candidate_class(h);
         const double log_bayes = id->first_value[i], odds = log_bayes + h->log_prior;
-        int t = 0;
         if (class >= MUKCA_EFFECT_COUNT || !(log_bayes > -HUGE_VAL)) continue;
-        while (t < d->n_tested &&
-               ((int)d->tested[t].effect != class || d->tested[t].joint != h->joint))
-            t++;
-        if (t == MUKCA_MAX_TESTED) continue;
+        const int t = find(d, class, h->joint);
+        if (t == d->n_tested) add(d, class, h->joint, -HUGE_VAL, NULL);
+        if (t == d->n_tested) continue; /* no room */
         mukca_tested *entry = &d->tested[t];
-        if (t == d->n_tested) {
-            d->n_tested++;
-            *entry = (mukca_tested){.effect = (mukca_effect_kind) class,
-                                    .joint = h->joint,
-                                    .log_bayes_factor = -HUGE_VAL,
-                                    .log_odds = -HUGE_VAL};
-        }
         if (log_bayes > entry->log_bayes_factor)
             entry->log_bayes_factor = log_bayes, most[t] = id->first_information[i];
         const double hi = fmax(entry->log_odds, odds), lo = fmin(entry->log_odds, odds);
@@ -93,5 +86,5 @@ void mukca_untested_list(mukca_diagnosis *d, const mukca_search *id)
 void mukca_untested_all(mukca_diagnosis *d, const char *why)
 {
     d->n_tested = 0;
-    for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++) add(d, kind, -1, why);
+    for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++) add(d, kind, -1, NAN, why);
 }
