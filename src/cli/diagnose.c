@@ -76,7 +76,7 @@ mukca_status cli_diagnosis_run(cli_call *call, cli_diagnosis *d)
 
 void cli_diagnosis_free(cli_diagnosis *d)
 {
-    mukca_next_poses_free(&d->next);
+    mukca_plan_free(&d->next.plan);
     mukca_diagnosis_free(&d->diagnosis);
 }
 

@@ -91,8 +91,3 @@ mukca_status mukca_next_poses_choose(mukca_next_poses *next, const mukca_diagnos
     if (status != MUKCA_OK) memset(&next->plan, 0, sizeof next->plan); /* no suitable posture */
     return MUKCA_OK;
 }
-
-void mukca_next_poses_free(mukca_next_poses *next)
-{
-    mukca_plan_free(&next->plan);
-}

@@ -84,7 +84,7 @@ TEST(poses_reach_their_sockets_and_tell)
         assert_int_equal(json_array_size(json_object_get(pose, "tells_apart")), 2);
     }
     json_decref(root);
-    mukca_next_poses_free(&t->next);
+    mukca_plan_free(&t->next.plan);
     mukca_dataset_free(&t->data);
 }
 
@@ -106,7 +106,7 @@ TEST(nothing_where_no_pose_can_settle_it)
     choose();
     assert_int_equal(t->next.finding, 0);
     assert_int_equal(t->next.plan.n_rows, 0);
-    mukca_next_poses_free(&t->next);
+    mukca_plan_free(&t->next.plan);
     mukca_dataset_free(&t->data);
 }
 
