@@ -37,13 +37,6 @@ static void survey_recording(mukca_effect_survey *s, const mukca_recording *reco
     for (int g = 0; g < recording->n_groups; g++) s->sockets |= recording->groups[g].socket >= 0;
 }
 
-void mukca_candidates_start(mukca_candidates *all, mukca_pool *pool,
-                            const mukca_recording *recording, const unsigned char *disabled)
-{
-    *all = (mukca_candidates){.pool = pool, .recording = recording, .disabled = disabled};
-    survey_recording(&all->survey, recording);
-}
-
 void mukca_candidates_append(mukca_candidates *all, mukca_candidate h)
 {
     const int class = mukca_candidate_class(&h);
@@ -60,15 +53,19 @@ void mukca_candidates_append(mukca_candidates *all, mukca_candidate h)
         all->list[all->count++] = h;
 }
 
-void mukca_candidates_append_effects(mukca_candidates *all, int joint)
+void mukca_candidates_start(mukca_candidates *all, mukca_pool *pool,
+                            const mukca_recording *recording, const unsigned char *disabled)
 {
-    for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++) {
-        mukca_effect e;
-        if (mukca_effect_has_joint(kind) != (joint >= 0)) continue;
-        for (int i = 0; mukca_effect_candidate(&e, (mukca_effect_kind)kind, joint, &all->survey, i);
-             i++)
-            mukca_candidates_append(all, mukca_candidate_of(&e));
-    }
+    *all = (mukca_candidates){.pool = pool, .recording = recording, .disabled = disabled};
+    survey_recording(&all->survey, recording);
+    for (int joint = -1; joint < recording->chain->n_joints; joint++)
+        for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++) {
+            mukca_effect e;
+            if (mukca_effect_has_joint(kind) != (joint >= 0)) continue;
+            for (int i = 0;
+                 mukca_effect_candidate(&e, (mukca_effect_kind)kind, joint, &all->survey, i); i++)
+                mukca_candidates_append(all, mukca_candidate_of(&e));
+        }
 }
 
 typedef struct {
@@ -76,11 +73,16 @@ typedef struct {
     const unsigned char *taken;
 } filling;
 
+/* taken NULL: with the units. */
 static void fill(void *context, int block, int worker)
 {
     const filling *job = context;
+    const mukca_candidate *h = &job->all->list[block];
     (void)worker;
-    if (job->taken[block]) mukca_candidate_fill(&job->all->list[block], job->all->recording);
+    if (!job->taken)
+        mukca_candidate_compute(h, job->all->recording);
+    else if (job->taken[block])
+        mukca_candidate_fill(h, job->all->recording);
 }
 
 void mukca_candidates_fill(const mukca_candidates *all, unsigned char *taken)
@@ -92,14 +94,8 @@ void mukca_candidates_fill(const mukca_candidates *all, unsigned char *taken)
     mukca_workers_run(all->recording->workers, all->count, fill, &(filling){all, taken});
 }
 
-static void compute(void *context, int block, int worker)
-{
-    const mukca_candidates *all = context;
-    (void)worker;
-    mukca_candidate_compute(&all->list[block], all->recording);
-}
-
 void mukca_candidates_compute(mukca_candidates *all)
 {
-    mukca_workers_run(all->recording->workers, all->pool->failed ? 0 : all->count, compute, all);
+    mukca_workers_run(all->recording->workers, all->pool->failed ? 0 : all->count, fill,
+                      &(filling){all, NULL});
 }

@@ -126,7 +126,6 @@ mukca_status mukca_candidates_list(mukca_candidates *all, const mukca_unknowns *
                                    mukca_error *error)
 {
     const int n = all->recording->chain->n_joints;
-    for (int j = -1; j < n; j++) mukca_candidates_append_effects(all, j);
     mukca_candidates_append_faults(all);
     mukca_candidates_append_unlisted(all, unknowns);
     all->capacity = all->count + MOST_ORDERS * n;

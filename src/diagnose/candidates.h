@@ -17,15 +17,13 @@ typedef struct {
     const char *missing[MUKCA_CLASSES]; /* reason why a class has no candidate, or NULL */
 } mukca_candidates;
 
-/* No candidates yet.  Memory comes from `pool`; recording and disabled must outlive them. */
+/* Begin with the effects of the catalogue.  Memory comes from `pool`; recording and disabled must
+ * outlive them. */
 void mukca_candidates_start(mukca_candidates *all, mukca_pool *pool,
                             const mukca_recording *recording, const unsigned char *disabled);
 
 /* Append a candidate, unless its effect is disabled. */
 void mukca_candidates_append(mukca_candidates *all, mukca_candidate candidate);
-
-/* Append the effects of the catalogue at a joint, or (-1) those without a joint. */
-void mukca_candidates_append_effects(mukca_candidates *all, int joint);
 
 /* Append the recording faults (candidates_faults.c); the causes outside the catalogue
  * (candidates_unlisted.c). */
@@ -43,7 +41,7 @@ void mukca_candidates_compute(mukca_candidates *all);
  * share are marked, too. */
 void mukca_candidates_fill(const mukca_candidates *all, unsigned char *taken);
 
-/* All candidates for a recording, with prior odds.  Errors: MUKCA_MEMORY. */
+/* After the start: all candidates for a recording, with prior odds.  Errors: MUKCA_MEMORY. */
 mukca_status mukca_candidates_list(mukca_candidates *all, const mukca_unknowns *unknowns,
                                    mukca_error *error);
 

@@ -21,8 +21,6 @@ static mukca_status weigh_springs(double *value, mukca_regression *m, const mukc
         others[e] = !mukca_effect_has(e, MUKCA_TRAIT_ELASTIC) || (disabled && disabled[e]);
     mukca_recording_load(&m->recording);
     mukca_candidates_start(&springs, &pool, &m->recording, others);
-    for (int j = -1; j < m->recording.chain->n_joints; j++)
-        mukca_candidates_append_effects(&springs, j);
     mukca_candidates_compute(&springs);
     int *index = MUKCA_TAKE(&pool, int, springs.count + 1);
     mukca_unknowns_assign(&m->unknowns, faults);
