@@ -97,7 +97,7 @@ static void fit(mukca_arm_posterior *p, int steps)
     mukca_regression *m = &p->m;
     const mukca_recording *r = &m->recording;
     mukca_regression_fit_tails(m, p->weight, steps);
-    const double *y = mukca_evidence_deviations(&m->evidence, r, &m->linear, p->weight);
+    const double *y = mukca_evidence_deviations(&m->evidence, p->weight);
     for (int i = 0; i < r->n_samples; i++)
         memcpy(p->residual[r->order[i]], y + i * r->dim, sizeof *p->residual);
 }
@@ -176,7 +176,7 @@ static bool linearise(mukca_linearisation *linear, mukca_recording *r, mukca_poo
     for (int c = 0; ok && c < u.n_causes; c++)
         ok = mukca_candidate_prepare(&u.cause[c].candidate, pool, r);
     ok = ok && mukca_linearisation_create(linear, pool, r, &u);
-    if (ok) mukca_linearisation_update(linear, r, &u);
+    if (ok) mukca_linearisation_update(linear, &u);
     return ok;
 }
 

@@ -36,11 +36,13 @@ mukca_noise_family mukca_evidence_family(const mukca_evidence *evidence, int ind
 }
 
 bool mukca_evidence_create(mukca_evidence *evidence, mukca_pool *pool,
-                           const mukca_recording *recording, const mukca_unknowns *unknowns)
+                           const mukca_linearisation *linear, const mukca_unknowns *unknowns)
 {
+    const mukca_recording *recording = linear->recording;
     const int capacity = mukca_unknowns_capacity(unknowns), size = capacity + 1;
     const int pairs = recording->data->n_distances + 1, rows = recording->data->n_rows;
     const size_t whole = (size_t)(rows * recording->dim + pairs) * (size_t)size;
+    evidence->linear = linear;
     evidence->n_noises = INDEPENDENT_POSTURES;
     if (recording->repeats) evidence->n_noises = recording->targets ? 1 : MUKCA_NOISES;
     evidence->ratio = evidence->counted = 1;
@@ -64,8 +66,9 @@ bool mukca_evidence_create(mukca_evidence *evidence, mukca_pool *pool,
 }
 
 void mukca_evidence_along(double *along, const double *mean, int n, int ld,
-                          const mukca_recording *r, const mukca_linearisation *linear)
+                          const mukca_linearisation *linear)
 {
+    const mukca_recording *r = linear->recording;
     for (int p = 0; p < r->n_pairs; p++)
         for (int c = 0; c < 3; c++) {
             const double *a = mean + (r->pairs[p].a * r->dim + c) * ld,
@@ -78,8 +81,6 @@ void mukca_evidence_along(double *along, const double *mean, int n, int ld,
 typedef struct {
     mukca_evidence *evidence;
     const mukca_normal_equations *normal;
-    const mukca_recording *recording;
-    const mukca_linearisation *linear;
 } whitening;
 
 enum { TOGETHER = 32, PANEL = 16 }; /* columns of a block: whitened, multiplied */
@@ -87,26 +88,27 @@ enum { TOGETHER = 32, PANEL = 16 }; /* columns of a block: whitened, multiplied 
 static void whiten_columns(void *context, int block, int worker)
 {
     const whitening *c = context;
-    const int ld = c->linear->stride, from = block * TOGETHER, left = ld - from;
+    const mukca_linearisation *linear = c->evidence->linear;
+    const int ld = linear->stride, from = block * TOGETHER, left = ld - from;
     (void)worker;
     mukca_whitening_apply(&(mukca_whitened){.n = left < TOGETHER ? left : TOGETHER,
                                             .ld = ld,
-                                            .x = c->linear->columns + from,
+                                            .x = linear->columns + from,
                                             .white = c->evidence->white.x + from,
                                             .mean = c->evidence->white.mean + from},
-                          &c->normal->whitening, &c->recording->samples);
+                          &c->normal->whitening, &linear->recording->samples);
 }
 
-const double *mukca_evidence_whiten(mukca_evidence *evidence, const mukca_normal_equations *normal,
-                                    const mukca_recording *r, const mukca_linearisation *linear)
+const double *mukca_evidence_whiten(mukca_evidence *evidence, const mukca_normal_equations *normal)
 {
     if (evidence->white.equations == normal && evidence->white.version == normal->version &&
         normal->version)
         return evidence->white.x;
     evidence->white.equations = normal;
     evidence->white.version = normal->version;
-    mukca_workers_run(r->workers, (linear->stride + TOGETHER - 1) / TOGETHER, whiten_columns,
-                      &(whitening){evidence, normal, r, linear});
+    mukca_workers_run(evidence->linear->recording->workers,
+                      (evidence->linear->stride + TOGETHER - 1) / TOGETHER, whiten_columns,
+                      &(whitening){evidence, normal});
     return evidence->white.x;
 }
 
@@ -148,21 +150,23 @@ void mukca_evidence_multiply(double *gram, const double *X, int n, const mukca_r
 }
 
 /* Products of all stored columns. */
-static void multiply(mukca_evidence *evidence, mukca_normal_equations *normal,
-                     const mukca_recording *r, const mukca_linearisation *linear)
+static void multiply(mukca_evidence *evidence, mukca_normal_equations *normal)
 {
+    const mukca_linearisation *linear = evidence->linear;
+    const mukca_recording *r = linear->recording;
     const int n = linear->stride;
-    const double *white = mukca_evidence_whiten(evidence, normal, r, linear);
+    const double *white = mukca_evidence_whiten(evidence, normal);
     memcpy(normal->all_distance, linear->pair_columns, sizeof(double) * (size_t)(r->n_pairs * n));
-    mukca_evidence_along(normal->all_distance, evidence->white.mean, n, n, r, linear);
+    mukca_evidence_along(normal->all_distance, evidence->white.mean, n, n, linear);
     mukca_evidence_multiply(normal->all_gram, white, n, r, NULL, 0);
     normal->all_gram[n * n - 1] += /* the rounding of further readings of a posture */
         evidence->further * RESOLUTION * RESOLUTION / (1 - normal->whitening.family.shared);
 }
 
 /* Mean square of the levers of the joints over all samples. */
-static double mean_lever(const mukca_recording *r, const mukca_linearisation *linear)
+static double mean_lever(const mukca_linearisation *linear)
 {
+    const mukca_recording *r = linear->recording;
     double sum = 0;
     for (int i = 0; i < r->n_samples * r->chain->n_joints * r->dim; i++)
         sum += linear->lever[i] * linear->lever[i];
@@ -171,10 +175,10 @@ static double mean_lever(const mukca_recording *r, const mukca_linearisation *li
 
 /* Factor of the covariance of a sample, of unit mean variance: noise of the joint angles, equal in
  * all joints, moves the tip by their levers. */
-static void factor_shape(double *L, const mukca_recording *r, const mukca_linearisation *linear,
-                         int sample, double angular, double lever)
+static void factor_shape(double *L, const mukca_linearisation *linear, int sample, double angular,
+                         double lever)
 {
-    const int n = r->chain->n_joints, d = r->dim;
+    const int n = linear->recording->chain->n_joints, d = linear->recording->dim;
     const double *J = linear->lever + sample * n * d;
     for (int a = 0; a < d; a++)
         for (int b = 0; b < d; b++) {
@@ -185,29 +189,31 @@ static void factor_shape(double *L, const mukca_recording *r, const mukca_linear
     mukca_dense_cholesky(L, d);
 }
 
-static mukca_noise_shape shape_of(mukca_evidence *evidence, const mukca_recording *r,
-                                  const mukca_linearisation *linear)
+static mukca_noise_shape shape_of(mukca_evidence *evidence)
 {
+    const mukca_linearisation *linear = evidence->linear;
+    const mukca_recording *r = linear->recording;
     if (!(evidence->angular[0] + evidence->angular[1])) return (mukca_noise_shape){NULL, NULL};
-    const double lever = mean_lever(r, linear);
+    const double lever = mean_lever(linear);
     for (int i = 0; i < r->n_samples && evidence->shaped != linear->version; i++)
         for (int k = 0; k < 1 + r->repeats; k++)
-            factor_shape(evidence->shape[k] + i * r->dim * r->dim, r, linear, i,
+            factor_shape(evidence->shape[k] + i * r->dim * r->dim, linear, i,
                          shares[evidence->angular[k]], lever);
     evidence->shaped = linear->version;
     return (mukca_noise_shape){evidence->shape[0], evidence->shape[1]};
 }
 
 /* Factor the noise for the samples in use and their robust weights (NULL: none). */
-static void lay_out(mukca_evidence *evidence, int index, const mukca_recording *r,
-                    const mukca_linearisation *linear, const double *weight)
+static void lay_out(mukca_evidence *evidence, int index, const double *weight)
 {
+    const mukca_linearisation *linear = evidence->linear;
+    const mukca_recording *r = linear->recording;
     mukca_normal_equations *normal = &evidence->normal[index];
     double *scratch = evidence->white.x;
     for (int i = 0; i < r->n_samples; i++) scratch[i] = weight ? weight[r->order[i]] : 1;
     evidence->counted = mukca_recording_count_targets(scratch, r, evidence->ratio);
     mukca_whitening_set(&normal->whitening, &r->samples, mukca_evidence_family(evidence, index),
-                        shape_of(evidence, r, linear), scratch);
+                        shape_of(evidence), scratch);
     normal->whitening.dof = (int)(normal->whitening.dof * evidence->counted);
     normal->whitening.log_det *= evidence->counted;
     normal->n_pairs = r->n_pairs;
@@ -225,19 +231,18 @@ static void lay_out(mukca_evidence *evidence, int index, const mukca_recording *
 
 /* Choose the share of the joint angles' noise by the likelihood of y[n_samples][dim], in which each
  * sample has so many degrees of freedom. */
-static int angular_share(const double *y, const double *freedom, const mukca_recording *r,
-                         const mukca_linearisation *linear)
+static int angular_share(const double *y, const double *freedom, const mukca_linearisation *linear)
 {
-    const int d = r->dim;
-    const double lever = mean_lever(r, linear);
+    const int d = linear->recording->dim;
+    const double lever = mean_lever(linear);
     double best = -HUGE_VAL;
     int chosen = 0;
     for (int a = 0; a < (int)(sizeof shares / sizeof *shares) && lever > 0; a++) {
         double log_det = 0, square = 0, all = 0;
-        for (int i = 0; i < r->n_samples; i++) {
+        for (int i = 0; i < linear->recording->n_samples; i++) {
             double L[36], x[6];
             if (!(freedom[i] > 0)) continue;
-            factor_shape(L, r, linear, i, shares[a], lever);
+            factor_shape(L, linear, i, shares[a], lever);
             memcpy(x, y + i * d, sizeof *x * (size_t)d);
             mukca_dense_forward(x, 1, L, d);
             for (int c = 0; c < d; c++)
@@ -251,9 +256,10 @@ static int angular_share(const double *y, const double *freedom, const mukca_rec
     return chosen;
 }
 
-double *mukca_evidence_residuals(mukca_evidence *evidence, const mukca_samples *s,
-                                 const mukca_linearisation *linear)
+double *mukca_evidence_residuals(mukca_evidence *evidence)
 {
+    const mukca_linearisation *linear = evidence->linear;
+    const mukca_samples *s = &linear->recording->samples;
     double *y = evidence->white.x;
     evidence->white.equations = NULL;
     for (int i = 0; i < s->n_samples * s->dim; i++) {
@@ -264,12 +270,11 @@ double *mukca_evidence_residuals(mukca_evidence *evidence, const mukca_samples *
     return y;
 }
 
-int mukca_evidence_measure_noise(mukca_evidence *evidence, const mukca_recording *recording,
-                                 const mukca_linearisation *linear)
+int mukca_evidence_measure_noise(mukca_evidence *evidence)
 {
-    const mukca_samples *s = &recording->samples;
+    const mukca_samples *s = &evidence->linear->recording->samples;
     const int d = s->dim;
-    double *y = mukca_evidence_residuals(evidence, s, linear), *common = y + s->n_samples * d,
+    double *y = mukca_evidence_residuals(evidence), *common = y + s->n_samples * d,
            *freedom = common + s->n_samples * d, within = 0, between = 0, reading = 0;
     int extra = 0, postures = 0;
     memset(freedom, 0, sizeof *freedom * (size_t)s->n_samples);
@@ -295,7 +300,7 @@ int mukca_evidence_measure_noise(mukca_evidence *evidence, const mukca_recording
             between += square - (free ? sum * sum / count : 0);
             postures += count - free;
         }
-    const int proposed = angular_share(common, freedom, recording, linear);
+    const int proposed = angular_share(common, freedom, evidence->linear);
     if (extra && postures >= 2) {
         const double variance = within / extra + RESOLUTION * RESOLUTION,
                      shared_part = between / postures - variance * reading / postures;
@@ -305,7 +310,7 @@ int mukca_evidence_measure_noise(mukca_evidence *evidence, const mukca_recording
         for (int i = 0; i < s->n_samples; i++)
             for (int k = i; k >= 0 && s->readings[i] > 1; k = s->next[k])
                 freedom[k] = 1 - 1.0 / s->readings[i];
-        evidence->angular[1] = angular_share(y, freedom, recording, linear);
+        evidence->angular[1] = angular_share(y, freedom, evidence->linear);
         mukca_evidence_set_share(evidence, evidence->angular[0]);
     }
     return proposed;
@@ -323,12 +328,12 @@ void mukca_evidence_renew(mukca_evidence *evidence)
     for (int i = 0; i < evidence->n_noises; i++) evidence->normal[i].version = 0;
 }
 
-double *mukca_evidence_deviations(mukca_evidence *evidence, const mukca_recording *r,
-                                  const mukca_linearisation *linear, const double *weight)
+double *mukca_evidence_deviations(mukca_evidence *evidence, const double *weight)
 {
+    const mukca_recording *r = evidence->linear->recording;
     const mukca_samples *s = &r->samples;
     const int d = s->dim;
-    double *y = mukca_evidence_residuals(evidence, s, linear);
+    double *y = mukca_evidence_residuals(evidence);
     for (int b = 0; b < s->n_blocks; b++) {
         const int start = s->block[b].start, end = start + s->block[b].count;
         double mean[6] = {0}, sum = 0;
@@ -342,17 +347,14 @@ double *mukca_evidence_deviations(mukca_evidence *evidence, const mukca_recordin
     return y;
 }
 
-double mukca_evidence_weigh_tails(double *weight, mukca_evidence *evidence,
-                                  const mukca_recording *r, const mukca_linearisation *linear,
-                                  double sigma)
+double mukca_evidence_weigh_tails(double *weight, mukca_evidence *evidence, double sigma)
 {
-    const mukca_samples *s = &r->samples;
-    const int d = s->dim;
-    const double *y = mukca_evidence_deviations(evidence, r, linear, weight),
-                 nu = MUKCA_STUDENT_FREEDOM,
+    const mukca_recording *r = evidence->linear->recording;
+    const int d = r->dim;
+    const double *y = mukca_evidence_deviations(evidence, weight), nu = MUKCA_STUDENT_FREEDOM,
                  constant = lgamma(0.5 * (nu + d)) - lgamma(0.5 * nu) - 0.5 * d * log(0.5 * nu);
     double gain = 0;
-    for (int i = 0; i < s->n_samples; i++) {
+    for (int i = 0; i < r->n_samples; i++) {
         double square = 0;
         for (int c = 0; c < d; c++) square += pow(y[i * d + c] / sigma, 2);
         const double w = (nu + d) / (nu + square);
@@ -364,17 +366,15 @@ double mukca_evidence_weigh_tails(double *weight, mukca_evidence *evidence,
 }
 
 mukca_normal_equations *mukca_evidence_collect(mukca_evidence *evidence, int index,
-                                               const mukca_recording *recording,
-                                               const mukca_unknowns *unknowns,
-                                               const mukca_linearisation *linear)
+                                               const mukca_unknowns *unknowns)
 {
+    const mukca_linearisation *linear = evidence->linear;
     mukca_normal_equations *normal = &evidence->normal[index];
     if (unknowns->weight || normal->version != linear->version) {
-        lay_out(evidence, index, recording, linear,
-                unknowns->weight ? unknowns->weight : unknowns->tails);
+        lay_out(evidence, index, unknowns->weight ? unknowns->weight : unknowns->tails);
         evidence->white.equations = NULL;
         normal->version = unknowns->weight ? 0 : linear->version;
-        multiply(evidence, normal, recording, linear);
+        multiply(evidence, normal);
     }
     normal->n = linear->n_columns;
     normal->stride = linear->stride;

@@ -20,6 +20,7 @@ typedef struct {
 } mukca_normal_equations;
 
 typedef struct {
+    const mukca_linearisation *linear; /* that the columns are of */
     int n_noises;     /* families compared: with repeated postures also those that share errors */
     double ratio;     /* variance that readings of a posture share, over that of a reading */
     int further;      /* coordinates of readings beyond the first of their postures */
@@ -42,24 +43,21 @@ typedef struct {
         expected; /* weight of the usual noise and geometry (model/prior.h), in numbers; 0: none */
 } mukca_evidence;
 
-/* Memory comes from `pool`.  False: no memory. */
+/* Memory comes from `pool`; the linearisation must outlive it.  False: no memory. */
 bool mukca_evidence_create(mukca_evidence *evidence, mukca_pool *pool,
-                           const mukca_recording *recording, const mukca_unknowns *unknowns);
+                           const mukca_linearisation *linear, const mukca_unknowns *unknowns);
 
 /* Residuals [n_samples][dim] at the last posterior mean, in the memory of evidence->white. */
-double *mukca_evidence_residuals(mukca_evidence *evidence, const mukca_samples *samples,
-                                 const mukca_linearisation *linear);
+double *mukca_evidence_residuals(mukca_evidence *evidence);
 
 /* The same about the means of their groups, with weight[n_rows]. */
-double *mukca_evidence_deviations(mukca_evidence *evidence, const mukca_recording *recording,
-                                  const mukca_linearisation *linear, const double *weight);
+double *mukca_evidence_deviations(mukca_evidence *evidence, const double *weight);
 
-/* Measure the noise by the residuals at the last posterior mean, of these columns: the ratio of the
+/* Measure the noise by the residuals at the last posterior mean: the ratio of the
  * variances between postures and between readings of one, and the share of the joint angles' noise
  * in the latter; the families follow.  Returns the likeliest share between postures: the geometry
  * absorbs more of some directions, so that evidence must decide. */
-int mukca_evidence_measure_noise(mukca_evidence *evidence, const mukca_recording *recording,
-                                 const mukca_linearisation *linear);
+int mukca_evidence_measure_noise(mukca_evidence *evidence);
 
 /* Set the share of the joint angles' noise between postures. */
 void mukca_evidence_set_share(mukca_evidence *evidence, int angular_share);
@@ -68,9 +66,7 @@ void mukca_evidence_set_share(mukca_evidence *evidence, int angular_share);
  * Gaussian noise weighted so that its log density touches it from below (T. Jaakkola, M. Jordan,
  * Bayesian parameter estimation via variational methods, Statistics and Computing 10, 2000).
  * weight[n_rows], of the last evaluation or 1, receives these weights. */
-double mukca_evidence_weigh_tails(double *weight, mukca_evidence *evidence,
-                                  const mukca_recording *recording,
-                                  const mukca_linearisation *linear, double sigma);
+double mukca_evidence_weigh_tails(double *weight, mukca_evidence *evidence, double sigma);
 
 /* Collect all normal equations again: their weights have changed. */
 void mukca_evidence_renew(mukca_evidence *evidence);
@@ -81,14 +77,10 @@ mukca_noise_family mukca_evidence_family(const mukca_evidence *evidence, int ind
 /* Update the normal equations of one family of the noise if the columns have changed, and return
  * them. */
 mukca_normal_equations *mukca_evidence_collect(mukca_evidence *evidence, int index,
-                                               const mukca_recording *recording,
-                                               const mukca_unknowns *unknowns,
-                                               const mukca_linearisation *linear);
+                                               const mukca_unknowns *unknowns);
 
 /* Whitened stored columns evidence->white.x of that family; updated if necessary. */
-const double *mukca_evidence_whiten(mukca_evidence *evidence, const mukca_normal_equations *normal,
-                                    const mukca_recording *recording,
-                                    const mukca_linearisation *linear);
+const double *mukca_evidence_whiten(mukca_evidence *evidence, const mukca_normal_equations *normal);
 
 /* gram[n][n] := products X'X of whitened columns X[n_samples][dim][n] over the samples whose row
  * has this number in fold[n_rows] (NULL: over all). */
@@ -98,7 +90,7 @@ void mukca_evidence_multiply(double *gram, const double *X, int n, const mukca_r
 /* along[n_pairs][ld] += effect of n columns on the distances, from their means
  * mean[n_blocks][dim][ld]. */
 void mukca_evidence_along(double *along, const double *mean, int n, int ld,
-                          const mukca_recording *recording, const mukca_linearisation *linear);
+                          const mukca_linearisation *linear);
 
 /* Log evidence with the priors of evidence->posterior and noise sigma (m); mean[n] (may be NULL)
  * receives the posterior mean.  -HUGE_VAL: not positive definite. */

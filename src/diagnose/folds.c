@@ -131,7 +131,7 @@ static void subtract_fold(mukca_folds *b, const mukca_normal_equations *normal, 
 {
     const mukca_recording *r = &b->m->recording;
     const int ld = normal->stride;
-    const double *X = mukca_evidence_whiten(&b->m->evidence, normal, r, &b->m->linear);
+    const double *X = mukca_evidence_whiten(&b->m->evidence, normal);
     double *gram = b->rest.all_gram, *distance = b->rest.all_distance;
     mukca_evidence_multiply(gram, X, ld, r, b->fold, f);
     for (int i = 0; i < ld * ld; i++) gram[i] = normal->all_gram[i] - gram[i];

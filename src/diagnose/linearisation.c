@@ -13,6 +13,7 @@ bool mukca_linearisation_create(mukca_linearisation *linear, mukca_pool *pool,
               d = recording->dim, size = mukca_unknowns_capacity(unknowns) + 1;
     const int pairs = recording->data->n_distances + 1, groups = recording->data->n_sockets + 2;
     *linear = (mukca_linearisation){
+        .recording = recording,
         .cause = MUKCA_TAKE(pool, mukca_candidate, MUKCA_MAX_ACCEPTED),
         .explained = MUKCA_TAKE(pool, double, size),
         .tip = MUKCA_TAKE(pool, double, 3 * rows),
@@ -32,8 +33,9 @@ bool mukca_linearisation_create(mukca_linearisation *linear, mukca_pool *pool,
 
 /* Measured minus predicted of sample i of a pose log, in the base frame. */
 static void pose_residual(double *y, const mukca_linearisation *linear,
-                          const mukca_recording *recording, const mukca_unknowns *unknowns, int i)
+                          const mukca_unknowns *unknowns, int i)
 {
+    const mukca_recording *recording = linear->recording;
     const size_t row = (size_t)recording->order[i];
     const double *p = linear->tip + 3 * i, *R = linear->tip_frame + 9 * i;
     const int log = recording->log[row];
@@ -61,7 +63,6 @@ static void to_target(mukca_frame *tip, const mukca_unknowns *u, int log)
 /* What is computed for samples independently, some at a time. */
 typedef struct {
     mukca_linearisation *linear;
-    const mukca_recording *recording;
     const mukca_unknowns *unknowns;
 } update;
 
@@ -73,18 +74,17 @@ static int end_of(const mukca_recording *recording, int block)
     return end < recording->n_samples ? end : recording->n_samples;
 }
 
-static void run(const update *u, mukca_block_fn *samples)
+static void run(update *u, mukca_block_fn *samples)
 {
-    update own = *u;
-    mukca_workers_run(u->recording->workers, (u->recording->n_samples + TOGETHER - 1) / TOGETHER,
-                      samples, &own);
+    const mukca_recording *r = u->linear->recording;
+    mukca_workers_run(r->workers, (r->n_samples + TOGETHER - 1) / TOGETHER, samples, u);
 }
 
 /* Predictions of samples. */
 static void predict(void *context, int block, int worker)
 {
     const update *of = context;
-    const mukca_recording *recording = of->recording;
+    const mukca_recording *recording = of->linear->recording;
     const mukca_unknowns *unknowns = of->unknowns;
     mukca_linearisation *linear = of->linear;
     const int n_joints = recording->chain->n_joints;
@@ -103,8 +103,9 @@ static void predict(void *context, int block, int worker)
 }
 
 /* Means of the groups of predictions, and directions between paired sockets. */
-static void find_directions(mukca_linearisation *linear, const mukca_recording *recording)
+static void find_directions(mukca_linearisation *linear)
 {
+    const mukca_recording *recording = linear->recording;
     for (int g = 0; g < recording->n_groups; g++) {
         const mukca_group *group = &recording->groups[g];
         double *mean = linear->mean[g];
@@ -125,9 +126,9 @@ static void find_directions(mukca_linearisation *linear, const mukca_recording *
 /* r := vector from the predicted position of sample i to its socket's mean plus the socket's
  * faults. */
 static void socket_error(double r[3], const mukca_linearisation *linear,
-                         const mukca_recording *recording, const mukca_unknowns *unknowns, int g,
-                         int i)
+                         const mukca_unknowns *unknowns, int g, int i)
 {
+    const mukca_recording *recording = linear->recording;
     for (int c = 0; c < 3; c++) r[c] = linear->mean[g][c] - linear->tip[3 * i + c];
     for (int c = 0; c < unknowns->n_causes; c++) {
         const mukca_accepted *cause = &unknowns->cause[c];
@@ -174,10 +175,10 @@ static void turn_of(double turn[6][3], const mukca_frame *frame, const double ti
 
 /* Levers and geometry columns of sample i at the angles q.  The common factor scales the nominal
  * origins: not the travel of a sliding joint, a measured target or the offsets. */
-static void fill_sample(mukca_linearisation *linear, const mukca_recording *recording,
-                        const mukca_unknowns *u, int i, const double *q,
-                        const mukca_displacement *displacement)
+static void fill_sample(mukca_linearisation *linear, const mukca_unknowns *u, int i,
+                        const double *q, const mukca_displacement *displacement)
 {
+    const mukca_recording *recording = linear->recording;
     const mukca_chain *chain = recording->chain;
     const int d = recording->dim, ld = linear->stride, log = recording->log[recording->order[i]];
     double *X = linear->columns + (size_t)i * (size_t)d * (size_t)ld;
@@ -240,14 +241,14 @@ static void fill_sample(mukca_linearisation *linear, const mukca_recording *reco
 static void fill_y(void *context, int block, int worker)
 {
     const update *of = context;
-    const mukca_recording *recording = of->recording;
+    const mukca_recording *recording = of->linear->recording;
     const mukca_linearisation *linear = of->linear;
     const int d = recording->dim, ld = linear->stride, n = linear->n_columns;
     (void)worker;
     for (int i = block * TOGETHER; i < end_of(recording, block); i++) {
         double y[6] = {0}, *X = linear->columns + (size_t)i * (size_t)d * (size_t)ld;
         if (recording->data->socket[recording->order[i]] < 0)
-            pose_residual(y, linear, recording, of->unknowns, i);
+            pose_residual(y, linear, of->unknowns, i);
         else
             for (int c = 0; c < 3; c++) y[c] = -linear->tip[3 * i + c];
         for (int c = 0; c < d; c++) {
@@ -259,12 +260,12 @@ static void fill_y(void *context, int block, int worker)
 }
 
 /* Store the columns of a cause from column `at` on. */
-static void store_cause(mukca_linearisation *linear, const mukca_recording *recording,
-                        const mukca_candidate *h, int at)
+static void store_cause(mukca_linearisation *linear, const mukca_candidate *h, int at)
 {
+    const mukca_recording *recording = linear->recording;
     const int ld = linear->stride;
     linear->cause[linear->n_causes++] = *h;
-    mukca_linearisation_columns(linear->columns + at, ld, linear, recording, h);
+    mukca_linearisation_columns(linear->columns + at, ld, linear, h);
     for (int p = 0; p < recording->n_pairs; p++)
         for (int t = 0; t < h->terms; t++)
             linear->pair_columns[p * ld + at + t] =
@@ -275,7 +276,7 @@ static void store_cause(mukca_linearisation *linear, const mukca_recording *reco
 static void fill_geometry(void *context, int block, int worker)
 {
     const update *of = context;
-    const mukca_recording *recording = of->recording;
+    const mukca_recording *recording = of->linear->recording;
     const mukca_unknowns *u = of->unknowns;
     mukca_linearisation *linear = of->linear;
     const int n = recording->chain->n_joints;
@@ -290,29 +291,28 @@ static void fill_geometry(void *context, int block, int worker)
         mukca_unknowns_displacement(&displacement, u, n, row);
         memcpy(seated, recording->data->q + row * n, sizeof *seated * (size_t)n);
         if (seat)
-            socket_error(r, linear, recording, u, g, i);
+            socket_error(r, linear, u, g, i);
         else
-            pose_residual(r, linear, recording, u, i);
+            pose_residual(r, linear, u, i);
         linear->distance[i] = sqrt(mukca_dot3(r, r));
         mukca_linearisation_seat(seated, r, n, &u->geometry, &displacement);
         /* far from the solution, frames of a pose log would turn into angles */
-        fill_sample(linear, recording, u, i, seat ? seated : recording->data->q + row * n,
-                    &displacement);
+        fill_sample(linear, u, i, seat ? seated : recording->data->q + row * n, &displacement);
     }
 }
 
-void mukca_linearisation_update(mukca_linearisation *linear, const mukca_recording *recording,
-                                mukca_unknowns *u)
+void mukca_linearisation_update(mukca_linearisation *linear, mukca_unknowns *u)
 {
+    const mukca_recording *recording = linear->recording;
     const int n = mukca_unknowns_column(u, u->n_causes);
-    const update of = {linear, recording, u};
+    update of = {linear, u};
     linear->n_columns = linear->y = n;
     linear->stride = n + 1;
     linear->n_causes = 0;
     linear->version++;
     mukca_unknowns_set_geometry(u, recording->chain);
     run(&of, predict);
-    find_directions(linear, recording);
+    find_directions(linear);
     run(&of, fill_geometry);
     for (int p = 0; p < recording->n_pairs; p++) {
         double *pair = linear->pair_columns + p * linear->stride;
@@ -323,7 +323,7 @@ void mukca_linearisation_update(mukca_linearisation *linear, const mukca_recordi
     memcpy(linear->explained, u->theta, sizeof *u->theta * (size_t)u->n_geometry);
     for (int c = 0, at = u->n_geometry; c < u->n_causes; c++) {
         const mukca_accepted *cause = &u->cause[c];
-        store_cause(linear, recording, &cause->candidate, at);
+        store_cause(linear, &cause->candidate, at);
         for (int t = 0; t < cause->candidate.terms; t++, at++)
             /* A socket's fault moves the socket, not the arm: `tip` does not include it. */
             linear->explained[at] = mukca_candidate_moves_arm(&cause->candidate)

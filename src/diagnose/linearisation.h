@@ -9,6 +9,7 @@
 #include "diagnose/unknowns.h"
 
 typedef struct {
+    const mukca_recording *recording;
     int n_columns;          /* in use: the first ones, of the geometry or of all */
     int y, stride;          /* index of y, behind all stored columns; their number with it */
     int n_causes;           /* with stored columns */
@@ -29,13 +30,12 @@ typedef struct {
     double *pair_columns;   /* [n_pairs][stride] direct effect on a distance, and the distance */
 } mukca_linearisation;
 
-/* Memory comes from `pool`.  False: no memory. */
+/* Memory comes from `pool`; the recording must outlive it.  False: no memory. */
 bool mukca_linearisation_create(mukca_linearisation *linear, mukca_pool *pool,
                                 const mukca_recording *recording, const mukca_unknowns *unknowns);
 
 /* Linearise at the present unknowns, and set their geometry. */
-void mukca_linearisation_update(mukca_linearisation *linear, const mukca_recording *recording,
-                                mukca_unknowns *unknowns);
+void mukca_linearisation_update(mukca_linearisation *linear, mukca_unknowns *unknowns);
 
 /* Select the columns of the present causes without a new linearisation.  False: they are neither
  * none nor those of the linearisation. */
@@ -48,7 +48,6 @@ void mukca_linearisation_seat(double *seated, double r[3], int n, const mukca_ge
 
 /* Columns of a candidate, E[n_samples][dim][ld]. */
 void mukca_linearisation_columns(double *E, int ld, const mukca_linearisation *linear,
-                                 const mukca_recording *recording,
                                  const mukca_candidate *candidate);
 
 #endif

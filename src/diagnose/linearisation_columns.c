@@ -14,10 +14,9 @@ typedef struct {
 } lever_rows;
 
 /* False: the candidate's columns are not levers times basis functions. */
-static bool levers_of(lever_rows *out, const mukca_linearisation *linear,
-                      const mukca_recording *recording, const mukca_candidate *h)
+static bool levers_of(lever_rows *out, const mukca_linearisation *linear, const mukca_candidate *h)
 {
-    const int d = recording->dim, n = recording->chain->n_joints, joint = h->joint,
+    const int d = linear->recording->dim, n = linear->recording->chain->n_joints, joint = h->joint,
               ld = linear->stride;
     const double *frame = linear->columns;
     switch (mukca_candidate_site(h)) {
@@ -82,11 +81,12 @@ MUKCA_CLONES static void turn_levers(double *E, int ld, const lever_rows *by,
 }
 
 void mukca_linearisation_columns(double *E, int ld, const mukca_linearisation *linear,
-                                 const mukca_recording *recording, const mukca_candidate *h)
+                                 const mukca_candidate *h)
 {
+    const mukca_recording *recording = linear->recording;
     const int d = recording->dim;
     lever_rows by;
-    if (levers_of(&by, linear, recording, h)) {
+    if (levers_of(&by, linear, h)) {
         turn_levers(E, ld, &by, recording, h);
         return;
     }

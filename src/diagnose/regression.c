@@ -21,7 +21,7 @@ mukca_status mukca_regression_create(mukca_regression *m, const mukca_chain *cha
     if (mukca_recording_create(&m->recording, &m->pool, chain, data, options) &&
         mukca_unknowns_create(&m->unknowns, &m->pool, &m->recording) &&
         mukca_linearisation_create(&m->linear, &m->pool, &m->recording, &m->unknowns) &&
-        mukca_evidence_create(&m->evidence, &m->pool, &m->recording, &m->unknowns)) {
+        mukca_evidence_create(&m->evidence, &m->pool, &m->linear, &m->unknowns)) {
         m->recording.workers = mukca_workers_start(options->threads);
         return MUKCA_OK;
     }
@@ -38,12 +38,12 @@ void mukca_regression_free(mukca_regression *m)
 
 void mukca_regression_linearise(mukca_regression *m)
 {
-    mukca_linearisation_update(&m->linear, &m->recording, &m->unknowns);
+    mukca_linearisation_update(&m->linear, &m->unknowns);
 }
 
 mukca_normal_equations *mukca_regression_collect(mukca_regression *m, int index)
 {
-    return mukca_evidence_collect(&m->evidence, index, &m->recording, &m->unknowns, &m->linear);
+    return mukca_evidence_collect(&m->evidence, index, &m->unknowns);
 }
 
 double mukca_regression_factor(mukca_regression *m)
@@ -181,7 +181,7 @@ static mukca_normal_equations *choose_noise(mukca_regression *m, mukca_fit_freed
     if (!u->weight && m->recording.repeats) {
         mukca_evidence_evaluate(evidence, mukca_regression_collect(m, m->unknowns.family), u->sigma,
                                 evidence->mean);
-        mukca_evidence_measure_noise(evidence, &m->recording, &m->linear);
+        mukca_evidence_measure_noise(evidence);
     }
     bool all = noises == evidence->n_noises; /* robust weights imply independent samples */
     for (int k = 0; k < noises; k++) {
@@ -208,7 +208,7 @@ static mukca_normal_equations *choose_noise(mukca_regression *m, mukca_fit_freed
 static void weigh_rotations(mukca_regression *m)
 {
     double length = 0, angle = 0;
-    const double *y = mukca_evidence_residuals(&m->evidence, &m->recording.samples, &m->linear);
+    const double *y = mukca_evidence_residuals(&m->evidence);
     for (int i = 0; i < m->recording.n_samples * 6; i++)
         *(i % 6 < 3 ? &length : &angle) += y[i] * y[i];
     if (angle > 0 && length > 0)
@@ -294,7 +294,7 @@ void mukca_regression_fit_tails(mukca_regression *m, double *weight, int steps)
             const mukca_normal_equations *normal = mukca_regression_collect(m, u->family);
             u->sigma = mukca_noise_choose(evidence, normal, before, NULL);
             mukca_evidence_evaluate(evidence, normal, u->sigma, evidence->mean);
-            mukca_evidence_weigh_tails(weight, evidence, &m->recording, &m->linear, u->sigma);
+            mukca_evidence_weigh_tails(weight, evidence, u->sigma);
             if (fabs(u->sigma / before - 1) < settled) break;
         }
         const mukca_normal_equations *normal = mukca_regression_collect(m, u->family);
@@ -315,7 +315,7 @@ void mukca_regression_choose_share(mukca_regression *m)
     mukca_normal_equations *normal = mukca_regression_collect(m, u->family);
     mukca_unknowns_prior(evidence->posterior.prior, u, -1);
     mukca_evidence_evaluate(evidence, normal, u->sigma, evidence->mean);
-    const int proposed = mukca_evidence_measure_noise(evidence, &m->recording, &m->linear),
+    const int proposed = mukca_evidence_measure_noise(evidence),
               step = proposed > evidence->angular[0] ? 1 : -1;
     if (proposed == evidence->angular[0]) return;
     mukca_noise_choose(evidence, mukca_regression_collect(m, u->family), u->sigma, &best);
@@ -346,7 +346,7 @@ double mukca_regression_choose_tails(mukca_regression *m, double *weight)
     for (int round = 0; round < ROUNDS; round++) {
         mukca_evidence_evaluate(evidence, mukca_regression_collect(m, u->family), sigma,
                                 evidence->mean);
-        gain = mukca_evidence_weigh_tails(weight, evidence, &m->recording, &m->linear, sigma);
+        gain = mukca_evidence_weigh_tails(weight, evidence, sigma);
         u->tails = weight;
         sigma = mukca_noise_choose(evidence, mukca_regression_collect(m, u->family), sigma, &value);
     }
@@ -362,7 +362,7 @@ double mukca_regression_choose_tails(mukca_regression *m, double *weight)
 void mukca_regression_freeze(mukca_regression *m)
 {
     mukca_unknowns_fold_frames(&m->unknowns);
-    mukca_linearisation_update(&m->linear, &m->recording, &m->unknowns);
+    mukca_regression_linearise(m);
 }
 
 void mukca_regression_return(mukca_regression *m)

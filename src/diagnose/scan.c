@@ -55,7 +55,7 @@ bool mukca_scan_aim(mukca_scan *s, int family)
     const double value = mukca_evidence_evaluate(evidence, normal, sigma, NULL);
     const int n = normal->n;
     s->normal = normal;
-    s->white = mukca_evidence_whiten(evidence, normal, &m->recording, &m->linear);
+    s->white = mukca_evidence_whiten(evidence, normal);
     s->n = n;
     s->dof = normal->whitening.dof + normal->n_pairs;
     s->precision = 1 / (sigma * sigma);
@@ -86,7 +86,7 @@ static void project(const mukca_scan *s, const mukca_scan_batch *b)
     mukca_whitening_apply(
         &(mukca_whitened){.n = b->width, .ld = LD, .x = b->W, .white = b->W, .mean = b->mean},
         &s->normal->whitening, &r->samples);
-    mukca_evidence_along(along, b->mean, b->width, LD, r, linear);
+    mukca_evidence_along(along, b->mean, b->width, LD, linear);
     for (int p = 0; p < r->n_pairs; p++, along += LD) {
         for (int e = 0; e < b->n; e++)
             if (mukca_candidate_changes_pair(b->member[e], r, p))
@@ -138,7 +138,7 @@ static void gram_of(double *G, const mukca_scan *s, const mukca_scan_batch *b, i
 /* Append a candidate's columns to the batch. */
 static void put(mukca_scan_batch *b, const mukca_scan *s, const mukca_candidate *h)
 {
-    mukca_linearisation_columns(b->W + b->width, LD, &s->m->linear, &s->m->recording, h);
+    mukca_linearisation_columns(b->W + b->width, LD, &s->m->linear, h);
     for (int t = 0; t < h->terms; t++) b->by[b->width + t] = 1 / h->unit[t];
     b->member[b->n] = h;
     b->at[b->n++] = b->width;

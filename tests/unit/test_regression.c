@@ -90,7 +90,7 @@ TEST(effect_columns)
         if (i % 7 && (kind < 0 || seen[kind])) continue;
         if (kind >= 0) seen[kind] = true;
         double *E = zeroed((size_t)(3 * m->recording.n_samples * h->terms), sizeof *E);
-        mukca_linearisation_columns(E, h->terms, &m->linear, &m->recording, h);
+        mukca_linearisation_columns(E, h->terms, &m->linear, h);
         assert_true(mukca_unknowns_add(&m->unknowns, h));
         mukca_accepted *cause = &m->unknowns.cause[m->unknowns.n_causes - 1];
         for (int t = 0; t < h->terms; t++)
@@ -503,7 +503,7 @@ TEST(tails)
 
     const double sigma = m->unknowns.sigma;
     for (int row = 0; row < rows; row++) weight[row] = 1;
-    const double gain = mukca_evidence_weigh_tails(weight, &m->evidence, r, &m->linear, sigma);
+    const double gain = mukca_evidence_weigh_tails(weight, &m->evidence, sigma);
     for (int g = 0; g < r->n_groups; g++) {
         double mean[3] = {0}, y[3];
         for (int pass = 0; pass < 2; pass++)
