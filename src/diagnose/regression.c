@@ -46,18 +46,29 @@ mukca_normal_equations *mukca_regression_collect(mukca_regression *m, int index)
     return mukca_evidence_collect(&m->evidence, index, &m->unknowns);
 }
 
+/* Evidence under one model of the unknowns, with their priors and noise. */
+static double weigh(mukca_regression *m, const mukca_normal_equations *normal, int model,
+                    double *mean)
+{
+    mukca_unknowns_prior(m->evidence.posterior.prior, &m->unknowns, model);
+    return mukca_evidence_evaluate(&m->evidence, normal, m->unknowns.sigma, mean);
+}
+
 double mukca_regression_factor(mukca_regression *m)
 {
-    const mukca_normal_equations *normal = mukca_regression_collect(m, m->unknowns.family);
-    mukca_unknowns_prior(m->evidence.posterior.prior, &m->unknowns, -1);
-    return mukca_evidence_evaluate(&m->evidence, normal, m->unknowns.sigma, NULL);
+    return weigh(m, mukca_regression_collect(m, m->unknowns.family), -1, NULL);
 }
 
 bool mukca_regression_solve(mukca_regression *m, const mukca_normal_equations *normal, int model)
 {
-    mukca_evidence *evidence = &m->evidence;
-    mukca_unknowns_prior(evidence->posterior.prior, &m->unknowns, model);
-    return mukca_evidence_evaluate(evidence, normal, m->unknowns.sigma, evidence->mean) > -HUGE_VAL;
+    return weigh(m, normal, model, m->evidence.mean) > -HUGE_VAL;
+}
+
+/* Posterior mean of the present columns with the priors of the last evaluation. */
+static void find_mean(mukca_regression *m)
+{
+    mukca_evidence_evaluate(&m->evidence, mukca_regression_collect(m, m->unknowns.family),
+                            m->unknowns.sigma, m->evidence.mean);
 }
 
 bool mukca_regression_average(mukca_regression *m, const mukca_normal_equations *normal)
@@ -125,47 +136,43 @@ static bool contends(const mukca_evidence *evidence, int index, double best)
     return evidence->normal[index].behind - fabs(best - evidence->best) <= NEGLIGIBLE;
 }
 
-static void choose_cause(mukca_unknowns *u, mukca_accepted *cause, mukca_evidence *evidence,
+static void choose_cause(mukca_accepted *cause, mukca_regression *m,
                          const mukca_normal_equations *normal)
 {
     const mukca_mixture prior = mukca_candidate_mixture(&cause->candidate);
     double best = -HUGE_VAL, chosen = 0;
     for (int i = 0; i < prior.n_sizes; i++) {
         cause->scale = prior.size[i];
-        mukca_unknowns_prior(evidence->posterior.prior, u, -1);
-        const double value =
-            prior.log_weight[i] + mukca_evidence_evaluate(evidence, normal, u->sigma, NULL);
+        const double value = prior.log_weight[i] + weigh(m, normal, -1, NULL);
         if (value > best) best = value, chosen = prior.size[i];
     }
     cause->scale = chosen;
-    mukca_unknowns_prior(evidence->posterior.prior, u, -1);
 }
 
-void mukca_scales_choose(mukca_unknowns *u, mukca_evidence *evidence,
-                         const mukca_recording *recording, const mukca_normal_equations *normal)
+void mukca_scales_choose(mukca_regression *m, const mukca_normal_equations *normal)
 {
     /* Errors of published arms: links 0.5 to 4 mm, axes 1 to 10 mrad; half of that, those
      * calibrated by their makers. */
     static const double lengths[] = {0.25e-3, 0.5e-3, 1e-3, 2e-3, 4e-3};
     static const double angles[] = {0.5e-3, 1e-3, 2.5e-3, 5e-3, 10e-3};
     enum { N = 5 };
+    mukca_unknowns *u = &m->unknowns;
+    const double part = m->evidence.expected / 2;
     double best = -HUGE_VAL;
     int chosen = 0;
     for (int i = 0; i <= N * N; i++) {
         const int k = i < N * N ? i : chosen;
         u->prior.length = lengths[k / N], u->prior.angle = angles[k % N];
-        mukca_unknowns_set_geometry_prior(u, recording);
-        mukca_unknowns_prior(evidence->posterior.prior, u, -1);
+        mukca_unknowns_set_geometry_prior(u, &m->recording);
         if (i == N * N) break;
-        const double value =
-            mukca_evidence_evaluate(evidence, normal, u->sigma, NULL) +
-            log_expected(evidence->expected / 2, u->prior.length, mukca_prior_expected.length) +
-            log_expected(evidence->expected / 2, u->prior.angle, mukca_prior_expected.angle);
+        const double value = weigh(m, normal, -1, NULL) +
+                             log_expected(part, u->prior.length, mukca_prior_expected.length) +
+                             log_expected(part, u->prior.angle, mukca_prior_expected.angle);
         if (value > best) best = value, chosen = k;
     }
     for (int c = 0; c < u->n_causes; c++)
-        if (!u->cause[c].known && !u->cause[c].sized)
-            choose_cause(u, &u->cause[c], evidence, normal);
+        if (!u->cause[c].known && !u->cause[c].sized) choose_cause(&u->cause[c], m, normal);
+    mukca_unknowns_prior(m->evidence.posterior.prior, u, -1);
 }
 
 /* Choose noise and its family by evidence, and the prior scales with them; returns the normal
@@ -179,8 +186,7 @@ static mukca_normal_equations *choose_noise(mukca_regression *m, mukca_fit_freed
     const int noises = u->weight ? 1 : evidence->n_noises;
     double best = -HUGE_VAL, value[MUKCA_NOISES] = {0};
     if (!u->weight && m->recording.repeats) {
-        mukca_evidence_evaluate(evidence, mukca_regression_collect(m, m->unknowns.family), u->sigma,
-                                evidence->mean);
+        find_mean(m);
         mukca_evidence_measure_noise(evidence);
     }
     bool all = noises == evidence->n_noises; /* robust weights imply independent samples */
@@ -199,7 +205,7 @@ static mukca_normal_equations *choose_noise(mukca_regression *m, mukca_fit_freed
     }
     for (int i = 0; i < noises && all; i++) evidence->normal[i].behind = best - value[i];
     if (all) evidence->best = best;
-    mukca_scales_choose(u, evidence, &m->recording, chosen);
+    mukca_scales_choose(m, chosen);
     u->sigma = mukca_noise_choose(evidence, chosen, u->sigma, NULL);
     return chosen;
 }
@@ -291,20 +297,18 @@ void mukca_regression_fit_tails(mukca_regression *m, double *weight, int steps)
         mukca_regression_choose_share(m);
         for (int k = 0; k < WEIGHINGS; k++) {
             const double before = u->sigma;
-            const mukca_normal_equations *normal = mukca_regression_collect(m, u->family);
-            u->sigma = mukca_noise_choose(evidence, normal, before, NULL);
-            mukca_evidence_evaluate(evidence, normal, u->sigma, evidence->mean);
+            u->sigma =
+                mukca_noise_choose(evidence, mukca_regression_collect(m, u->family), before, NULL);
+            find_mean(m);
             mukca_evidence_weigh_tails(weight, evidence, u->sigma);
             if (fabs(u->sigma / before - 1) < settled) break;
         }
-        const mukca_normal_equations *normal = mukca_regression_collect(m, u->family);
-        mukca_scales_choose(u, evidence, &m->recording, normal);
-        mukca_evidence_evaluate(evidence, normal, u->sigma, evidence->mean);
+        mukca_scales_choose(m, mukca_regression_collect(m, u->family));
+        find_mean(m);
         advance(m);
     }
     mukca_regression_linearise(m);
-    mukca_evidence_evaluate(evidence, mukca_regression_collect(m, u->family), u->sigma,
-                            evidence->mean);
+    find_mean(m);
 }
 
 void mukca_regression_choose_share(mukca_regression *m)
@@ -312,9 +316,7 @@ void mukca_regression_choose_share(mukca_regression *m)
     mukca_unknowns *u = &m->unknowns;
     mukca_evidence *evidence = &m->evidence;
     double best, value;
-    mukca_normal_equations *normal = mukca_regression_collect(m, u->family);
-    mukca_unknowns_prior(evidence->posterior.prior, u, -1);
-    mukca_evidence_evaluate(evidence, normal, u->sigma, evidence->mean);
+    mukca_regression_solve(m, mukca_regression_collect(m, u->family), -1);
     const int proposed = mukca_evidence_measure_noise(evidence),
               step = proposed > evidence->angular[0] ? 1 : -1;
     if (proposed == evidence->angular[0]) return;
@@ -322,12 +324,11 @@ void mukca_regression_choose_share(mukca_regression *m)
     while (evidence->angular[0] != proposed) {
         mukca_evidence_set_share(evidence, evidence->angular[0] + step);
         mukca_noise_choose(evidence, mukca_regression_collect(m, u->family), u->sigma, &value);
-        if (value > best) {
-            best = value;
-            continue;
+        if (!(value > best)) {
+            mukca_evidence_set_share(evidence, evidence->angular[0] - step);
+            return;
         }
-        mukca_evidence_set_share(evidence, evidence->angular[0] - step);
-        break;
+        best = value;
     }
 }
 

@@ -49,10 +49,9 @@ double mukca_noise_choose(mukca_evidence *evidence, const mukca_normal_equations
                           double guess, double *value);
 
 /* Maximise the evidence at the present noise over the geometry's two scales together, then over
- * that of each cause whose scale is open.  evidence->posterior.prior receives the prior sigmas of
+ * that of each cause whose scale is open.  m->evidence.posterior.prior receives the prior sigmas of
  * all columns. */
-void mukca_scales_choose(mukca_unknowns *unknowns, mukca_evidence *evidence,
-                         const mukca_recording *recording, const mukca_normal_equations *normal);
+void mukca_scales_choose(mukca_regression *m, const mukca_normal_equations *normal);
 
 /* Quantities chosen by a fit in addition to the unknowns. */
 typedef enum {

@@ -465,8 +465,7 @@ TEST(scales)
     mukca_regression *m = &f->m;
     mukca_unknowns *u = &m->unknowns;
     double worst = HUGE_VAL;
-    mukca_scales_choose(u, &m->evidence, &m->recording,
-                        mukca_regression_collect(m, m->unknowns.family));
+    mukca_scales_choose(m, mukca_regression_collect(m, u->family));
     const double best = mukca_regression_factor(m);
     for (int i = 0; i < 4; i++)
         for (int k = 0; k < 4; k++) {
