@@ -55,9 +55,8 @@ static bool label_set(mukca_labelled_set *out, mukca_pool *pool, double *scratch
 
 typedef struct {
     mukca_sets *sets;
-    const int *label_of;  /* [n_items] */
-    const int *index;     /* [n] of the sets, by falling weight */
-    const double *weight; /* [n] */
+    const int *label_of;      /* [n_items] */
+    const mukca_ranked *list; /* [n] sets by falling probability, `odds` */
     int n;
     double left_out;
 } weighted;
@@ -67,9 +66,10 @@ static bool label_posterior(mukca_labelled_sets *out, mukca_pool *pool, const we
     mukca_labelled_set *set = MUKCA_TAKE(pool, mukca_labelled_set, MOST_SETS);
     double *scratch = MUKCA_TAKE(pool, double, w->sets->question->stride + 1), sum = 0;
     for (int i = 0; i < w->n && i < MOST_SETS && sum < 1 - w->left_out && !pool->failed; i++) {
-        set[i].weight = w->weight[i];
+        set[i].weight = w->list[i].odds;
         sum += set[i].weight;
-        if (!label_set(&set[i], pool, scratch, w->sets, &w->sets->set[w->index[i]], w->label_of))
+        if (!label_set(&set[i], pool, scratch, w->sets, &w->sets->set[w->list[i].index],
+                       w->label_of))
             return false;
         out->n_sets = i + 1;
     }
@@ -82,18 +82,11 @@ static bool label_posterior(mukca_labelled_sets *out, mukca_pool *pool, const we
 static bool label_whole(mukca_labelled_sets *out, mukca_pool *pool, mukca_search *id,
                         const int *label_of)
 {
-    int *index = MUKCA_TAKE(pool, int, id->n_sets + 1);
-    double *weight = MUKCA_TAKE(pool, double, id->n_sets + 1);
-    for (int i = 0; i < id->n_sets && !pool->failed; i++)
-        index[i] = id->set[i].index, weight[i] = id->set[i].weight;
-    out->least = MUKCA_FINDING_SQUARE;
-    return !pool->failed && label_posterior(out, pool,
-                                            &(weighted){.sets = &id->sets,
-                                                        .label_of = label_of,
-                                                        .index = index,
-                                                        .weight = weight,
-                                                        .n = id->n_sets,
-                                                        .left_out = LEFT_OUT});
+    mukca_ranked *list = MUKCA_TAKE(pool, mukca_ranked, id->n_sets + 1);
+    for (int i = 0; i < id->n_sets && list; i++)
+        list[i] = (mukca_ranked){id->set[i].weight, id->set[i].index};
+    return list &&
+           label_posterior(out, pool, &(weighted){&id->sets, label_of, list, id->n_sets, LEFT_OUT});
 }
 
 /* The posterior of a half: of the sets that its search met. */
@@ -102,23 +95,16 @@ static bool label_half(mukca_labelled_sets *out, mukca_pool *pool, mukca_half *h
 {
     mukca_sets *sets = &half->sets;
     mukca_ranked *order = MUKCA_TAKE(pool, mukca_ranked, sets->n_sets);
-    int *index = MUKCA_TAKE(pool, int, sets->n_sets), n = 0;
-    double *weight = MUKCA_TAKE(pool, double, sets->n_sets);
+    double *value = MUKCA_TAKE(pool, double, sets->n_sets);
+    int n = 0;
     if (pool->failed) return false;
     for (int k = 0; k < sets->n_sets; k++) order[k] = (mukca_ranked){sets->set[k].value, k};
     qsort(order, (size_t)sets->n_sets, sizeof *order, mukca_by_odds);
     for (; n < sets->n_sets && n < MOST_SETS && order[n].odds > order[0].odds - WINDOW; n++)
-        index[n] = order[n].index, weight[n] = order[n].odds;
-    const double sum = mukca_stats_log_sum_exp(weight, n);
-    for (int k = 0; k < n; k++) weight[k] = exp(weight[k] - sum);
-    out->least = MUKCA_FINDING_SQUARE;
-    return label_posterior(out, pool,
-                           &(weighted){.sets = sets,
-                                       .label_of = label_of,
-                                       .index = index,
-                                       .weight = weight,
-                                       .n = n,
-                                       .left_out = LEFT_OUT_OF_HALVES});
+        value[n] = order[n].odds;
+    const double sum = mukca_stats_log_sum_exp(value, n);
+    for (int k = 0; k < n; k++) order[k].odds = exp(value[k] - sum);
+    return label_posterior(out, pool, &(weighted){sets, label_of, order, n, LEFT_OUT_OF_HALVES});
 }
 
 MUKCA_FALLING(by_size, mukca_finding, size_m.value)
@@ -170,7 +156,7 @@ static mukca_status label_search(mukca_labelled_search *whole, half_posteriors *
 {
     const mukca_labelled_sets before = whole->posterior;
     mukca_label *label = MUKCA_TAKE(pool, mukca_label, before.n_labels + id->n_kept + 1);
-    *whole = (mukca_labelled_search){.posterior = {.label = label},
+    *whole = (mukca_labelled_search){.posterior = {.label = label, .least = MUKCA_FINDING_SQUARE},
                                      .label_of = MUKCA_TAKE(pool, int, id->n_kept + 1)};
     if (pool->failed) return no_memory(error);
     for (int i = 0; i < before.n_labels; i++) label[i] = before.label[i];
