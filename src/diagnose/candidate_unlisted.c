@@ -23,43 +23,41 @@ typedef struct {
     const mukca_unlisted_function *function;
 } lister;
 
+static void append_measures(const lister *l, mukca_candidate h, const double *measure, int n)
+{
+    for (int i = 0; i < n; i++) {
+        h.unlisted.measure = measure[i];
+        mukca_candidates_append(l->all, h);
+    }
+}
+
 /* Append a function with each of its measures or placements. */
 static void append_variants(const lister *l, mukca_candidate h)
 {
     static const double widths[] = {0.03, 0.06, 0.12, 0.25, 0.5, 1}; /* rad */
     static const double time_constants[] = {300, 1000, 3000};        /* s, as of joint_drift */
     static const double torques[] = {0.3, 1, 3};                     /* N m, as of backlash */
+    static const double once = 1; /* higher orders are listed where they promise */
     const mukca_recording *r = l->all->recording;
     const int rows = r->data->n_rows, placements = r->data->n_placements, *socket = r->data->socket;
     const double range = l->all->survey.joint[h.joint < 0 ? 0 : h.joint].range;
     const mukca_argument argument = l->function->argument;
     if (l->function->shape == MUKCA_SHAPE_BUMPS && argument == MUKCA_ARGUMENT_ANGLE) {
-        for (int i = 0; l->all->survey.joint[h.joint].turns && i < COUNT(widths); i++) {
-            h.unlisted.measure = widths[i];
+        for (int i = 0; l->all->survey.joint[h.joint].turns && i < COUNT(widths); i++)
             if (widths[i] <= 0.6 * range && ceil(range / widths[i]) + 1 <= MUKCA_MAX_COLUMNS)
-                mukca_candidates_append(l->all, h);
-        }
+                append_measures(l, h, &widths[i], 1);
     } else if (l->function->shape == MUKCA_SHAPE_STEP) {
         /* in the last socket, it is equivalent to a moved socket: tool_motion */
         int end = rows - SLIP_ROWS;
         while (end > 0 && socket[end - 1] >= 0 && socket[end - 1] == socket[rows - 1]) end--;
-        for (int row = SLIP_ROWS; row < end; row += rows / MOST_SLIPS + 1) {
-            h.unlisted.measure = row;
-            mukca_candidates_append(l->all, h);
-        }
+        for (int row = SLIP_ROWS; row < end; row += rows / MOST_SLIPS + 1)
+            append_measures(l, h, &(double){row}, 1);
     } else if (l->function->shape == MUKCA_SHAPE_SIDE && argument == MUKCA_ARGUMENT_TORQUE) {
-        for (int i = 0; i < COUNT(torques); i++) {
-            h.unlisted.measure = torques[i];
-            mukca_candidates_append(l->all, h);
-        }
+        append_measures(l, h, torques, COUNT(torques));
     } else if (l->function->shape == MUKCA_SHAPE_SATURATING) {
-        for (int i = 0; i < COUNT(time_constants); i++) {
-            h.unlisted.measure = time_constants[i];
-            mukca_candidates_append(l->all, h);
-        }
+        append_measures(l, h, time_constants, COUNT(time_constants));
     } else if (l->function->shape == MUKCA_SHAPE_WAVE) {
-        h.unlisted.measure = 1; /* higher orders are listed where they promise */
-        mukca_candidates_append(l->all, h);
+        append_measures(l, h, &once, 1);
     } else if (argument == MUKCA_ARGUMENT_PLACEMENT || argument == MUKCA_ARGUMENT_PAYLOAD) {
         h.placement = argument == MUKCA_ARGUMENT_PAYLOAD ? -1 : 0;
         for (; h.placement < (placements > 1 ? placements : 0); h.placement++)

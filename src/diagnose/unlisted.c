@@ -18,7 +18,6 @@
 #define MOVE_WIDTH 0.02
 
 enum {
-    MOST_VALUES = 16,
     POWERS = 4, /* Chebyshev polynomials of another joint's angle, degree 1 to 4 */
     PRODUCT_DEGREE = 3,
     PRODUCTS = (PRODUCT_DEGREE + 1) * (PRODUCT_DEGREE + 2) / 2 - 1,
