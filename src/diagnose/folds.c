@@ -24,10 +24,8 @@ void mukca_folds_create(mukca_folds *b)
     b->rest.all_distance = MUKCA_TAKE(&m->pool, double, m->recording.data->n_distances *size);
     b->position = MUKCA_TAKE(&m->pool, double, 3 * rows);
     b->error = MUKCA_TAKE(&m->pool, double, rows);
-    b->all = MUKCA_TAKE(&m->pool, unsigned char, rows);
     b->start = MUKCA_TAKE(&m->pool, int, m->recording.data->n_sockets + 2);
     b->row = MUKCA_TAKE(&m->pool, int, rows);
-    if (b->all) memset(b->all, 1, (size_t)rows);
 }
 
 int mukca_folds_assign(int *fold, const mukca_regression *m, bool by_socket)
@@ -63,11 +61,11 @@ static const mukca_candidate *motion_of(const mukca_regression *m, int socket)
     return NULL;
 }
 
-/* The next row of a socket, marked in `marked`, after `row`; -1: none. */
+/* The next row of a socket, marked in `marked` (NULL: all are), after `row`; -1: none. */
 static int next_row(const mukca_dataset *data, const unsigned char *marked, int socket, int row)
 {
     while (++row < data->n_rows)
-        if (marked[row] && data->socket[row] == socket) return row;
+        if ((!marked || marked[row]) && data->socket[row] == socket) return row;
     return -1;
 }
 
@@ -97,7 +95,7 @@ void mukca_folds_errors(double *error, const mukca_regression *m, const double *
 {
     const mukca_dataset *data = m->recording.data;
     for (int row = 0; row < data->n_rows; row++)
-        error[row] = marked[row] && data->socket[row] < 0
+        error[row] = (!marked || marked[row]) && data->socket[row] < 0
                          ? mukca_distance3(data->position + 3 * (size_t)row, position + 3 * row)
                          : (double)NAN;
     for (int s = 0; s < data->n_sockets; s++)

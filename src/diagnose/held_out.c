@@ -59,18 +59,18 @@ static void measure_geometry(mukca_diagnosis *d, mukca_arm_state *geometry, mukc
         mukca_unknowns_predict(b->position + 3 * row, u, &m->recording, row);
     mukca_unknowns_set_arm(u, geometry);
     mukca_folds_errors(d->before_m, m, b->position, m->recording.keep, true);
-    mukca_folds_errors(b->error, m, b->position, b->all, false);
+    mukca_folds_errors(b->error, m, b->position, NULL, false);
     d->nominal_m = mukca_folds_mean(b->error, rows);
     if (d->folds < 2) return;
     mukca_folds_run(excused, b, false);
     d->faults_excused_m = d->geometry_m = mukca_folds_mean(excused, rows);
     if (!as_recorded) return;
     u->n_causes = 0;
-    memcpy(m->recording.keep, b->all, (size_t)rows);
+    memset(m->recording.keep, 1, (size_t)rows);
     mukca_recording_regroup(&m->recording);
     mukca_regression_fit(m, 3, MUKCA_FIT_INDEPENDENT);
     mukca_folds_run(b->error, b, false);
-    mukca_folds_errors(b->error, m, b->position, b->all, false);
+    mukca_folds_errors(b->error, m, b->position, NULL, false);
     d->geometry_m = mukca_folds_mean(b->error, rows);
 }
 

@@ -15,8 +15,7 @@ typedef struct {
     double *position; /* [n_rows][3] prediction of each row without its fold; NaN: a row in no fold
                          (fewer poses than folds) */
     double *error;    /* [n_rows]; NaN: not measured */
-    unsigned char *all; /* [n_rows] all 1 */
-    int *start, *row;   /* [n_sockets + 2], [n_rows] scratch: rows by socket */
+    int *start, *row; /* [n_sockets + 2], [n_rows] scratch: rows by socket */
 } mukca_folds;
 
 /* Allocate from b->m's pool (check pool.failed). */
@@ -27,9 +26,9 @@ void mukca_folds_create(mukca_folds *b);
 int mukca_folds_assign(int *fold, const mukca_regression *m, bool by_socket);
 
 /* error[n_rows], m: distance of each row's prediction position[n_rows][3] from its socket's mean,
- * over the rows marked in `marked` (others: NaN); with `excuse` from the mean of each segment or
- * the creep line of a known fault of the tool.  For poses the distance from the measurement, in its
- * frame. */
+ * over the rows marked in `marked` (NULL: all; others: NaN); with `excuse` from the mean of each
+ * segment or the creep line of a known fault of the tool.  For poses the distance from the
+ * measurement, in its frame. */
 void mukca_folds_errors(double *error, const mukca_regression *m, const double *position,
                         const unsigned char *marked, bool excuse);
 
