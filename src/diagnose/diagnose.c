@@ -147,13 +147,8 @@ static mukca_status choose_sign(mukca_regression *m, const mukca_diagnose_option
     mukca_diagnosis *tried = MUKCA_TAKE(&m->pool, mukca_diagnosis, 1);
     if (!tried) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the efforts");
     if (status != MUKCA_OK || !(lead > LEAD_OF_SIGN)) return status; /* usually */
-    mukca_diagnose_options o = {.disabled = options->disabled,
-                                .free_base = options->free_base,
-                                .free_tool = options->free_tool,
-                                .mass_spread = options->mass_spread,
-                                .no_folds = true,
-                                .progress = options->progress,
-                                .progress_context = options->progress_context};
+    mukca_diagnose_options o = *options;
+    o.no_folds = true, o.applied = false, o.go_on = NULL;
     for (int i = 0; i < 2; i++) {
         o.efforts = i ? -1 : 1;
         MUKCA_TRY(mukca_diagnose(tried, r->chain, r->data, &o, error));
