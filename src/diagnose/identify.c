@@ -158,7 +158,7 @@ static mukca_status pass(mukca_search *id, mukca_causes *best, bool last, mukca_
     if (!mukca_scan_aim(&id->scan, id->m->unknowns.family))
         return first ? mukca_fail(error, MUKCA_UNIDENTIFIABLE, "the normal equations are singular")
                      : MUKCA_OK;
-    MUKCA_TRY(mukca_scan_run(&id->scan, true, error));
+    MUKCA_TRY(mukca_scan_run(&id->scan, error));
     keep_best(id, first ? KEPT : KEPT_BESIDE);
     if (first) {
         id->n_first = id->all.count;

@@ -48,9 +48,9 @@ bool mukca_scan_create(mukca_scan *scan, mukca_pool *pool, mukca_regression *m,
 /* Project out the present unknowns under a family of the noise.  False: singular. */
 bool mukca_scan_aim(mukca_scan *scan, int family);
 
-/* Score all candidates; `orders`: add the promising orders of periodic effects to them.  Errors:
+/* Score all candidates, and add the promising orders of periodic effects to them.  Errors:
  * MUKCA_MEMORY. */
-mukca_status mukca_scan_run(mukca_scan *scan, bool orders, mukca_error *error);
+mukca_status mukca_scan_run(mukca_scan *scan, mukca_error *error);
 
 /* Score n candidates but those with skip[n] != 0 (NULL: none): value[n] and information[n] as of
  * the scan. */

@@ -306,7 +306,7 @@ static mukca_status add_orders(mukca_scan *s, mukca_pool *pool, const double *u,
     return MUKCA_OK;
 }
 
-mukca_status mukca_scan_run(mukca_scan *s, bool orders, mukca_error *error)
+mukca_status mukca_scan_run(mukca_scan *s, mukca_error *error)
 {
     const mukca_recording *r = &s->m->recording;
     const mukca_candidates *all = s->all;
@@ -314,15 +314,14 @@ mukca_status mukca_scan_run(mukca_scan *s, bool orders, mukca_error *error)
     double *u = MUKCA_TAKE(&pool, double, r->n_samples * r->dim);
     unsigned char *skip = MUKCA_TAKE(&pool, unsigned char, all->count);
     mukca_status status = MUKCA_OK;
+    for (int i = 0; i < all->count; i++) s->value[i] = -HUGE_VAL, s->information[i] = 0;
     if (pool.failed || !residual_products(u, &pool, s) || !choose_faults(skip, &pool, s, u)) {
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory for the scores of %d candidates",
                             all->count);
-        orders = false;
-    }
-    for (int i = 0; i < all->count; i++) s->value[i] = -HUGE_VAL, s->information[i] = 0;
-    if (status == MUKCA_OK)
+    } else {
         mukca_scan_score(s->value, s->information, s, all->list, skip, all->count);
-    if (orders) status = add_orders(s, &pool, u, error);
+        status = add_orders(s, &pool, u, error);
+    }
     mukca_pool_free(&pool);
     return status;
 }

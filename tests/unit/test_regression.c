@@ -167,7 +167,7 @@ static void check_scan(int family, const mukca_candidate *cause)
         m->unknowns.cause[0].scale = 1e-3;
     }
     assert_true(mukca_scan_aim(&f->scan, family));
-    assert_ok(mukca_scan_run(&f->scan, !cause, &error));
+    assert_ok(mukca_scan_run(&f->scan, &error));
     for (int i = 0; i < f->all.count && n < MOST; i++) {
         const mukca_candidate *h = &f->all.list[i];
         const bool first = h->kind == MUKCA_CANDIDATE_UNLISTED && !tried[h->unlisted.function];
