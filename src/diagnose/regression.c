@@ -248,13 +248,18 @@ static double advance(mukca_regression *m)
     return change;
 }
 
-void mukca_regression_step(mukca_regression *m, mukca_fit_freedom freedom)
+/* Posterior mean of the present linearisation; false: the normal equations are singular. */
+static bool solve(mukca_regression *m, mukca_fit_freedom freedom)
 {
     mukca_unknowns_prior(m->evidence.posterior.prior, &m->unknowns, -1);
-    const mukca_normal_equations *normal = freedom == MUKCA_FIT_UNKNOWNS
-                                               ? mukca_regression_collect(m, m->unknowns.family)
-                                               : choose_noise(m, freedom);
-    if (mukca_regression_average(m, normal)) advance(m);
+    return mukca_regression_average(m, freedom == MUKCA_FIT_UNKNOWNS
+                                           ? mukca_regression_collect(m, m->unknowns.family)
+                                           : choose_noise(m, freedom));
+}
+
+void mukca_regression_step(mukca_regression *m, mukca_fit_freedom freedom)
+{
+    if (solve(m, freedom)) advance(m);
     mukca_regression_linearise(m);
 }
 
@@ -266,13 +271,10 @@ void mukca_regression_fit(mukca_regression *m, int iterations, mukca_fit_freedom
         m->evidence.normal[i].behind = 0; /* compare again */
     for (int it = 0; it < iterations; it++) {
         mukca_regression_linearise(m);
-        mukca_unknowns_prior(m->evidence.posterior.prior, u, -1);
         /* The weight of the orientations changes in each iteration, and the noise with it. */
         const bool weigh = m->recording.dim == 6 && !u->n_causes;
-        const bool choose = freedom != MUKCA_FIT_UNKNOWNS && (it == 0 || it == 2 || weigh);
-        const mukca_normal_equations *normal =
-            choose ? choose_noise(m, freedom) : mukca_regression_collect(m, m->unknowns.family);
-        if (!mukca_regression_average(m, normal)) break;
+        const bool choose = it == 0 || it == 2 || weigh;
+        if (!solve(m, choose ? freedom : MUKCA_FIT_UNKNOWNS)) break;
         if (weigh && it + 1 < iterations) weigh_rotations(m);
         if (advance(m) < 1e-7 && it >= 1) { /* 0.1 um and 0.1 urad: far below any noise */
             if (weigh) break;
