@@ -345,10 +345,12 @@ bool mukca_findings_measure(mukca_diagnosis *d, mukca_search *id, const mukca_la
     mukca_pool pool = {0};
     const mukca_labelled_sets *p = &in->posterior;
     const int all = d->n_findings + d->n_maybe, square = MUKCA_SET_COLUMNS * MUKCA_SET_COLUMNS;
-    measured w = {.id = id, .in = in};
-    w.V = MUKCA_TAKE(&pool, double, square);
-    w.G = MUKCA_TAKE(&pool, double, square);
-    w.product = MUKCA_TAKE(&pool, double, 3 * square);
+    if (!all) return true;
+    measured w = {.id = id,
+                  .in = in,
+                  .V = MUKCA_TAKE(&pool, double, square),
+                  .G = MUKCA_TAKE(&pool, double, square),
+                  .product = MUKCA_TAKE(&pool, double, 3 * square)};
     tables t = {.probability = MUKCA_TAKE(&pool, double, p->n_labels + 1),
                 .best = MUKCA_TAKE(&pool, double, id->n_kept + 1),
                 .scratch = MUKCA_TAKE(&pool, double, id->question.stride + 1),
@@ -362,16 +364,16 @@ bool mukca_findings_measure(mukca_diagnosis *d, mukca_search *id, const mukca_la
     while (n_sets < p->n_sets && n_sets < MUKCA_MOST_GAUSSIANS && sum < AVERAGED)
         sum += p->set[n_sets++].weight;
     for (int l = 0; l < p->n_labels && ok; l++) t.item[l] = -1;
-    if (ok && all) weigh_labels(t.probability, t.item, t.best, &w);
-    ok = ok && (!all || make_plain(&w, &pool, n_sets));
-    for (int l = 0; l < p->n_labels && ok && all; l++)
+    if (ok) weigh_labels(t.probability, t.item, t.best, &w);
+    ok = ok && make_plain(&w, &pool, n_sets);
+    for (int l = 0; l < p->n_labels && ok; l++)
         if (t.item[l] >= 0 && w.plain_of[t.item[l]] < 0) t.item[l] = -1;
-    for (int s = 0; s < n_sets && ok && all; s++) {
+    for (int s = 0; s < n_sets && ok; s++) {
         ok = take_set(&w, &id->sets.set[id->set[s].index], t.scratch);
         if (ok) add_all(&w, &t, d, p->set[s].weight);
     }
     const double scale = id->m->unknowns.sigma / sqrt(id->m->recording.n_samples);
-    if (ok) d->caused_m = all ? mukca_gaussians_estimate(&t.size[all], scale, true).value : 0;
+    if (ok) d->caused_m = mukca_gaussians_estimate(&t.size[all], scale, true).value;
     for (int i = 0; i < all && ok; i++) {
         mukca_finding *f = finding_at(d, i);
         describe(f, &w, &t);

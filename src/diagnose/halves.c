@@ -172,16 +172,6 @@ static int freedom(const mukca_recording *r, const unsigned char *in, bool other
     return rows;
 }
 
-static bool search(mukca_half *half, mukca_pool *pool, const mukca_part_layout *l, double *gram,
-                   int dof)
-{
-    if (!mukca_part_question(&half->question, pool, gram, dof, l) ||
-        !mukca_sets_create(&half->sets, pool, &half->question))
-        return false;
-    mukca_sets_explore(&half->sets, BUDGET, false);
-    return !pool->failed;
-}
-
 /* The items of the best sets that the whole has met. */
 static bool choose_items(mukca_halves *h, mukca_pool *pool, const mukca_search *id)
 {
@@ -236,7 +226,7 @@ static void search_pair(void *context, int pair, int worker)
     splitting *job = context;
     splitter *s = &job->worker[worker];
     const mukca_recording *r = &s->id->m->recording;
-    mukca_half *half = job->halves->half + 2 * pair;
+    mukca_pool *pool = &job->halves->pool[worker];
     const int square = s->width * s->width;
     draw(s->in, s->posture, r, pair);
     job->outcome[pair] = TOO_FEW;
@@ -245,14 +235,18 @@ static void search_pair(void *context, int pair, int worker)
     for (int i = 0; i < square; i++) s->second[i] = s->whole[i] - s->part[i];
     job->outcome[pair] = DONE;
     for (int other = 0; other < 2; other++) {
+        mukca_half *half = &job->halves->half[2 * pair + other];
         double *gram = other ? s->second : s->part;
         remove_means(s, gram, other);
         for (int i = 0; i < square; i++) gram[i] += s->pairs[i];
-        mukca_pool *pool = &job->halves->pool[worker];
         const int all = freedom(r, s->in, other != 0),
                   dof = (int)(s->id->m->evidence.counted * all) + r->n_pairs;
-        if (!search(&half[other], pool, &s->layout, gram, dof))
-            job->outcome[pair] = pool->failed ? FAILED : TOO_FEW; /* or: singular */
+        if (mukca_part_question(&half->question, pool, gram, dof, &s->layout) &&
+            mukca_sets_create(&half->sets, pool, &half->question))
+            mukca_sets_explore(&half->sets, BUDGET, false);
+        else
+            job->outcome[pair] = TOO_FEW; /* or: singular */
+        if (pool->failed) job->outcome[pair] = FAILED;
     }
 }
 
