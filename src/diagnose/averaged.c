@@ -8,8 +8,8 @@
 
 #include "base/order.h"
 #include "diagnose/cause.h"
+#include "diagnose/findings.h"
 #include "diagnose/held_out.h"
-#include "diagnose/label.h"
 
 /* Least posterior probability of a cause, and of a set, that is averaged: less than this is no
  * reserve either (MUKCA_DOUBT). */

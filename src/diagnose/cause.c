@@ -1,10 +1,10 @@
 /* Description of an identified cause: probability, rivals, size. */
 #include "diagnose/cause.h"
-#include "diagnose/label.h"
 
 #include <math.h>
 #include <string.h>
 
+#include "diagnose/findings.h"
 #include "math/dense.h"
 #include "math/stats.h"
 
@@ -24,29 +24,20 @@ static void mass_weights(double *weight, const mukca_recording *recording, const
     for (int t = 0; t < terms; t++) weight[t] = square > 0 ? weight[t] / square : t == 0;
 }
 
-static mukca_effect fitted_effect(const mukca_recording *recording, const mukca_accepted *cause)
-{
-    const mukca_candidate *h = &cause->candidate;
-    mukca_effect effect = mukca_candidate_effect(h);
-    if (mukca_candidate_by_mass(h)) {
-        double weight[MUKCA_MAX_COLUMNS];
-        mass_weights(weight, recording, h);
-        for (int t = 0; t < h->terms; t++)
-            effect.coefficient[0] += weight[t] * cause->coefficient[t];
-    } else {
-        memcpy(effect.coefficient, cause->coefficient,
-               sizeof *cause->coefficient * (size_t)effect.terms);
-    }
-    return effect;
-}
-
-/* Size; its interval is by the delta method, from the posterior covariance. */
+/* Coefficients and size; its interval is by the delta method, from the posterior covariance. */
 static void measure(mukca_cause *out, mukca_regression *m, int index)
 {
-    const mukca_candidate *h = &m->unknowns.cause[index].candidate;
+    const mukca_accepted *cause = &m->unknowns.cause[index];
+    const mukca_candidate *h = &cause->candidate;
     const int terms = out->effect.terms, column = mukca_unknowns_column(&m->unknowns, index);
-    const double *coefficient = out->effect.coefficient, one = 1;
-    double direction[MUKCA_MAX_COLUMNS] = {1};
+    const double one = 1;
+    double *coefficient = out->effect.coefficient, direction[MUKCA_MAX_COLUMNS] = {1};
+    if (mukca_candidate_by_mass(h)) { /* of an effect with one coefficient */
+        mass_weights(direction, &m->recording, h);
+        for (int t = 0; t < h->terms; t++) coefficient[0] += direction[t] * cause->coefficient[t];
+    } else {
+        memcpy(coefficient, cause->coefficient, sizeof *coefficient * (size_t)terms);
+    }
     out->amplitude = coefficient[0];
     if (terms > 1) {
         double square = 0;
@@ -56,8 +47,6 @@ static void measure(mukca_cause *out, mukca_regression *m, int index)
             direction[t] = square > 0 ? coefficient[t] / out->amplitude : 0;
             out->sigma[t] = mukca_regression_standard_error(m, column + t, &one, 1);
         }
-    } else if (mukca_candidate_by_mass(h)) {
-        mass_weights(direction, &m->recording, h);
     }
     const double sigma = mukca_regression_standard_error(m, column, direction, h->terms);
     if (terms == 1) out->sigma[0] = sigma;
@@ -147,10 +136,9 @@ void mukca_cause_describe(mukca_cause *out, mukca_search *id, const mukca_causes
 {
     const mukca_recording *recording = &id->m->recording;
     const mukca_candidate *h = &id->all.list[best->candidate[member]];
-    const mukca_accepted *cause = &id->m->unknowns.cause[member];
     const mukca_label label = mukca_candidate_label(h, recording, &id->m->unknowns);
     const mukca_finding *f = finding_of(id->diagnosis, &label);
-    *out = (mukca_cause){.effect = fitted_effect(recording, cause),
+    *out = (mukca_cause){.effect = mukca_candidate_effect(h),
                          .socket = -1,
                          .log_bayes_factor = mukca_cause_gain(id, best, member),
                          .probability = probability_of(id, &label),

@@ -42,7 +42,7 @@ static bool take_set(measured *w, const mukca_set *set, double *scratch)
 {
     const mukca_search *id = w->id;
     mukca_sets *sets = &w->id->sets;
-    double *block = id->scan.scratch->B;
+    double *block = id->scan.batch->scratch->B;
     mukca_sets_mean(scratch, sets, set);
     w->set = set;
     w->columns = mukca_sets_covariance(w->V, sets);
@@ -118,7 +118,7 @@ static double add_coefficient(mukca_gaussians *out, measured *w, const int *inde
 {
     const mukca_candidate *h = &w->id->all.list[w->id->kept[item]];
     const int reference = w->plain_of[item];
-    double *block = w->id->scan.scratch->B, part[MUKCA_SET_COLUMNS] = {0}, square_of_column,
+    double *block = w->id->scan.batch->scratch->B, part[MUKCA_SET_COLUMNS] = {0}, square_of_column,
            by_body[MUKCA_MOST_TERMS] = {0}, mean = 0, variance = 0, square = 0;
     mukca_sets_products_of(block, &w->plain_sets, reference, reference);
     square_of_column = fmax(block[0], 1e-30);
@@ -183,21 +183,6 @@ static void weigh_labels(double *probability, int *item, double *best, const mea
     }
 }
 
-static mukca_alternative alternative_of(const measured *w, int label, int item, double probability)
-{
-    const mukca_label *l = &w->in->posterior.label[label];
-    const mukca_candidate *h = &w->id->all.list[w->id->kept[item]];
-    mukca_alternative out = {.listed = l->effect >= 0,
-                             .family = l->family,
-                             .from = l->from,
-                             .to = l->to,
-                             .probability = fmin(probability, 1),
-                             .amplitude = MUKCA_ESTIMATE_NONE};
-    out.effect = mukca_candidate_effect(h);
-    if (!out.listed) out.effect.kind = MUKCA_EFFECT_COUNT;
-    return out;
-}
-
 /* ---- all groups ---- */
 
 typedef struct {
@@ -237,23 +222,29 @@ static void describe(mukca_finding *f, const measured *w, const tables *t)
     mukca_alternative all[64];
     double outside = 0, inside = 0;
     int n = 0;
-    memset(all, 0, sizeof all);
-    for (int l = 0; l < p->n_labels; l++) {
-        if (!mukca_finding_holds(&f->group, &p->label[l])) continue;
-        *(p->label[l].effect < 0 ? &outside : &inside) += t->probability[l];
-        if (t->item[l] < 0 || !(t->probability[l] >= ALTERNATIVE) || n == 64) continue;
-        all[n] = alternative_of(w, l, t->item[l], t->probability[l]);
-        if (all[n].listed) {
-            const mukca_finding_group alone = mukca_finding_alone(&p->label[l]);
-            all[n].probability = fmin(all[n].probability, mukca_finding_probability(&alone, p));
-            mukca_effect *e = &all[n].effect;
-            const mukca_effect_info *info = mukca_effect_table[e->kind];
-            all[n].amplitude = mukca_gaussians_estimate(&t->amplitude[l], 1, info->nonnegative);
-            e->terms = mukca_effect_terms(e);
-            for (int c = 0; c < e->terms; c++)
-                e->coefficient[c] = all[n].amplitude.value / sqrt(e->terms);
-        }
-        n++;
+    for (int i = 0; i < p->n_labels; i++) {
+        const mukca_label *l = &p->label[i];
+        if (!mukca_finding_holds(&f->group, l)) continue;
+        *(l->effect < 0 ? &outside : &inside) += t->probability[i];
+        if (t->item[i] < 0 || !(t->probability[i] >= ALTERNATIVE) || n == 64) continue;
+        const mukca_candidate *h = &w->id->all.list[w->id->kept[t->item[i]]];
+        mukca_alternative *a = &all[n++];
+        *a = (mukca_alternative){.effect = mukca_candidate_effect(h),
+                                 .listed = l->effect >= 0,
+                                 .family = l->family,
+                                 .from = l->from,
+                                 .to = l->to,
+                                 .probability = fmin(t->probability[i], 1),
+                                 .amplitude = MUKCA_ESTIMATE_NONE};
+        mukca_effect *e = &a->effect;
+        if (!a->listed) e->kind = MUKCA_EFFECT_COUNT;
+        if (!a->listed) continue;
+        const mukca_finding_group alone = mukca_finding_alone(l);
+        const bool nonnegative = mukca_effect_table[e->kind]->nonnegative;
+        a->probability = fmin(a->probability, mukca_finding_probability(&alone, p));
+        a->amplitude = mukca_gaussians_estimate(&t->amplitude[i], 1, nonnegative);
+        e->terms = mukca_effect_terms(e);
+        for (int c = 0; c < e->terms; c++) e->coefficient[c] = a->amplitude.value / sqrt(e->terms);
     }
     qsort(all, (size_t)n, sizeof *all, by_probability);
     f->n_alternatives = n < MUKCA_MAX_ALTERNATIVES ? n : MUKCA_MAX_ALTERNATIVES;

@@ -1,9 +1,17 @@
-/* Findings of a diagnosis: groups of causes of which one is sure, with sizes. */
+/* Findings of a diagnosis: what candidates say, groups of these of which one is sure, and sizes. */
 #ifndef MUKCA_DIAGNOSE_FINDINGS_H
 #define MUKCA_DIAGNOSE_FINDINGS_H
 
 #include "diagnose/identify.h"
-#include "diagnose/label.h"
+
+/* Positions are the joints' numbers, this, and n_joints: the tool. */
+#define MUKCA_POSITION_BASE (-1)
+
+/* Label of a candidate that is no outlier: what the error varies with, which effect, and where; the
+ * position of a function of an angle is the joint whose angle it is, that of all others is where
+ * they act (label.c). */
+mukca_label mukca_candidate_label(const mukca_candidate *candidate,
+                                  const mukca_recording *recording, const mukca_unknowns *unknowns);
 
 /* Posterior of the last search with labels. */
 typedef struct {

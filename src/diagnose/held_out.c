@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "diagnose/label.h"
+#include "diagnose/findings.h"
 
 /* Must the folds be sockets?  An effect of one placement cannot be predicted without this
  * placement.  With two placements, the geometry fitted to one is so uncertain that its error hides

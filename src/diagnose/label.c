@@ -1,7 +1,7 @@
 /* Labels of candidates. */
 #include <math.h>
 
-#include "diagnose/label.h"
+#include "diagnose/findings.h"
 
 /* Position of a frame of the geometry: of its joint, or the tool. */
 static int frame_position(const mukca_recording *r, const mukca_unknowns *u, int slot)

@@ -6,11 +6,6 @@
 
 #include "model/dataset_subset.h"
 
-static bool settled_by_poses(const mukca_effect *effect)
-{
-    return !mukca_effect_has((int)effect->kind, MUKCA_TRAIT_RECORDING_FAULT);
-}
-
 /* Is one of the two an error of the commands, the other of the arm?  Readings distinguish them,
  * postures do not. */
 static bool settled_by_readings(const mukca_effect *a, const mukca_effect *b)
@@ -34,10 +29,10 @@ static bool find_pair(int pair[2], const mukca_finding *f)
     int n = 0;
     for (int k = 0; k < f->n_alternatives && n < 2; k++) {
         const mukca_alternative *a = &f->alternatives[k];
-        if (!a->listed || !settled_by_poses(&a->effect) ||
-            (n && (settled_by_readings(&f->alternatives[pair[0]].effect, &a->effect) ||
-                   (f->alternatives[pair[0]].effect.kind == a->effect.kind &&
-                    f->alternatives[pair[0]].effect.joint == a->effect.joint))))
+        const mukca_effect *e = &a->effect, *first = n ? &f->alternatives[pair[0]].effect : NULL;
+        if (!a->listed || mukca_effect_has((int)e->kind, MUKCA_TRAIT_RECORDING_FAULT)) continue;
+        if (first &&
+            (settled_by_readings(first, e) || (first->kind == e->kind && first->joint == e->joint)))
             continue;
         pair[n++] = k;
     }

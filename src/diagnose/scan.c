@@ -40,7 +40,6 @@ bool mukca_scan_create(mukca_scan *s, mukca_pool *pool, mukca_regression *m, muk
             .T = MUKCA_TAKE(pool, double, n *LD),
             .g = MUKCA_TAKE(pool, double, LD),
             .scratch = MUKCA_TAKE(pool, mukca_mixture_scratch, 1)};
-    if (s->batch) s->scratch = s->batch[0].scratch;
     return !pool->failed;
 }
 

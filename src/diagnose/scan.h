@@ -32,13 +32,12 @@ typedef struct {
     const double *white; /* its whitened columns; a row for each coordinate of a sample, then one
                             for each pair of sockets, also in units of sigma */
     int n_rows, n, dof;
-    double precision, residual;     /* 1 / sigma^2; squared residual in units of the noise */
-    double evidence;                /* log evidence, with the scale of the noise at its maximum */
-    double *z, *prior, *link;       /* [n], [n], [n_pairs] sigma over that of the pair's row */
-    mukca_scan_batch *batch;        /* one for each worker of m */
-    mukca_mixture_scratch *scratch; /* of the first one */
-    int *start;                     /* [capacity + 1] scratch: first candidates of the batches */
-    double *value, *information;    /* [capacity] log Bayes factors, and 1/rad^2 of a unit size */
+    double precision, residual;  /* 1 / sigma^2; squared residual in units of the noise */
+    double evidence;             /* log evidence, with the scale of the noise at its maximum */
+    double *z, *prior, *link;    /* [n], [n], [n_pairs] sigma over that of the pair's row */
+    mukca_scan_batch *batch;     /* one for each worker of m */
+    int *start;                  /* [capacity + 1] scratch: first candidates of the batches */
+    double *value, *information; /* [capacity] log Bayes factors, and 1/rad^2 of a unit size */
 } mukca_scan;
 
 /* Memory comes from `pool`.  False: no memory. */

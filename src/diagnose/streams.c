@@ -83,10 +83,7 @@ mukca_status mukca_streams_fit(mukca_streams *streams, const mukca_recording_opt
                                const mukca_chain *chain, const mukca_dataset *data,
                                mukca_error *error)
 {
-    double *const fitted_sigma =
-        data->by_command ? &streams->sigma_command_m : &streams->sigma_reading_m;
-    double *const other_sigma =
-        data->by_command ? &streams->sigma_reading_m : &streams->sigma_command_m;
+    double *const sigma[] = {&streams->sigma_reading_m, &streams->sigma_command_m};
     const double *second = data->by_command ? data->reading : data->command;
     const size_t count = (size_t)data->n_rows * (size_t)data->n_joints;
     mukca_pool pool = {0};
@@ -96,8 +93,8 @@ mukca_status mukca_streams_fit(mukca_streams *streams, const mukca_recording_opt
     if (!swapped.q)
         return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", data->n_rows);
     for (size_t i = 0; i < count; i++) swapped.q[i] = isfinite(second[i]) ? second[i] : data->q[i];
-    mukca_status status = fit(fitted_sigma, options, chain, data, error);
-    if (status == MUKCA_OK) status = fit(other_sigma, options, chain, &swapped, error);
+    mukca_status status = fit(sigma[data->by_command], options, chain, data, error);
+    if (status == MUKCA_OK) status = fit(sigma[!data->by_command], options, chain, &swapped, error);
     mukca_pool_free(&pool);
     return status;
 }

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 
 #include "base/order.h"
-#include "diagnose/label.h"
+#include "diagnose/findings.h"
 
 /* Least size of an outlier that is reported as a fault, in sigmas of the noise. */
 #define OUTLIER_SIGMAS 12

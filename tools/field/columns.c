@@ -18,8 +18,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "diagnose/findings.h"
 #include "diagnose/identify.h"
-#include "diagnose/label.h"
 #include "io/dataset.h"
 #include "io/urdf.h"
 
