@@ -42,14 +42,13 @@ static bool is_named(const naming *all, const mukca_candidate *h)
 {
     const mukca_search *id = all->id;
     const mukca_diagnosis *d = id->diagnosis;
-    if (mukca_candidate_class(h) >= MUKCA_EFFECT_COUNT || mukca_candidate_is_fault(h)) return false;
+    if (h->kind != MUKCA_CANDIDATE_EFFECT) return false;
     const mukca_label label = mukca_candidate_label(h, &id->m->recording, &id->m->unknowns);
-    const mukca_effect effect = mukca_candidate_effect(h);
     bool named = all->every;
     for (int f = 0; f < d->n_findings && !named; f++)
         named = mukca_finding_holds(&d->findings[f].group, &label);
     for (int c = 0; c < d->n_causes && !named; c++)
-        named = mukca_effect_same(&effect, &d->causes[c].effect);
+        named = mukca_effect_same(&h->effect, &d->causes[c].effect);
     return named;
 }
 

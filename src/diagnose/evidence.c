@@ -376,8 +376,6 @@ mukca_normal_equations *mukca_evidence_collect(mukca_evidence *evidence, int ind
         normal->version = unknowns->weight ? 0 : linear->version;
         multiply(evidence, normal);
     }
-    normal->n = linear->n_columns;
-    normal->stride = linear->stride;
     return normal;
 }
 
@@ -386,11 +384,11 @@ double mukca_evidence_evaluate(mukca_evidence *evidence, const mukca_normal_equa
 {
     mukca_posterior *posterior = &evidence->posterior;
     double log_variance = 0;
-    mukca_posterior_start(posterior, normal->all_gram, normal->n, normal->stride,
-                          1 / (sigma * sigma));
+    const int n = evidence->linear->n_columns, stride = evidence->linear->stride;
+    mukca_posterior_start(posterior, normal->all_gram, n, stride, 1 / (sigma * sigma));
     for (int p = 0; p < normal->n_pairs; p++) {
         const double variance = sigma * sigma * normal->variance[p];
-        mukca_posterior_add(posterior, normal->all_distance + p * normal->stride, 1 / variance);
+        mukca_posterior_add(posterior, normal->all_distance + p * stride, 1 / variance);
         log_variance += log(variance);
     }
     if (!mukca_posterior_solve(posterior, mean)) return -HUGE_VAL;

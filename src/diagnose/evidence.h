@@ -12,7 +12,7 @@ enum { MUKCA_NOISES = 15 };
 typedef struct {
     mukca_whitening whitening;
     double behind; /* log evidence of the best family minus its own, in the last comparison */
-    int n, stride, n_pairs; /* columns in use, of those stored, of which the last is y */
+    int n_pairs;
     unsigned version;     /* of the linearisation with these columns; 0: none, or robust weights */
     double *all_gram;     /* [stride][stride] of all stored columns of the linearisation */
     double *all_distance; /* [n_pairs][stride] */

@@ -54,7 +54,7 @@ static const mukca_candidate *motion_of(const mukca_regression *m, int socket)
 {
     for (int c = 0; c < m->unknowns.n_causes; c++) {
         const mukca_candidate *h = &m->unknowns.cause[c].candidate;
-        if (mukca_candidate_is_fault(h) && mukca_candidate_class(h) < MUKCA_EFFECT_COUNT &&
+        if (h->kind == MUKCA_CANDIDATE_MOTION &&
             m->recording.groups[h->fault.group].socket == socket)
             return h;
     }
@@ -128,7 +128,7 @@ void mukca_folds_by_placement(double *mean, const mukca_recording *recording, co
 static void subtract_fold(mukca_folds *b, const mukca_normal_equations *normal, int f)
 {
     const mukca_recording *r = &b->m->recording;
-    const int ld = normal->stride;
+    const int ld = b->m->linear.stride;
     const double *X = mukca_evidence_whiten(&b->m->evidence, normal);
     double *gram = b->rest.all_gram, *distance = b->rest.all_distance;
     mukca_evidence_multiply(gram, X, ld, r, b->fold, f);

@@ -165,12 +165,10 @@ static void measure_findings(measurement *s)
         bool by_socket = false;
         for (int c = u->n_causes - 1; c >= 0; c--) {
             const mukca_candidate *h = &u->cause[c].candidate;
-            if (mukca_candidate_is_fault(h) || mukca_candidate_class(h) >= MUKCA_EFFECT_COUNT)
-                continue;
+            if (h->kind != MUKCA_CANDIDATE_EFFECT) continue;
             const mukca_label l = mukca_candidate_label(h, &m->recording, u);
-            const mukca_effect effect = mukca_candidate_effect(h);
             if (!mukca_finding_holds(g, &l)) continue;
-            by_socket |= needs_sockets(&effect, &m->recording);
+            by_socket |= needs_sockets(&h->effect, &m->recording);
             for (int i = 0; i < s->d->n_causes; i++)
                 if (acting(s, i) == c) alone = i;
             mukca_unknowns_drop(u, c);

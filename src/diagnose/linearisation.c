@@ -45,10 +45,7 @@ static void pose_residual(double *y, const mukca_linearisation *linear,
     if (recording->dim < 6) return;
     double measured[9], base[9], w[3];
     mukca_rotation_from_quaternion(measured, recording->data->quaternion + 4 * row);
-    for (int a = 0; a < 3; a++) /* base := tracker' measured */
-        for (int b = 0; b < 3; b++)
-            base[3 * a + b] = tracker[a] * measured[b] + tracker[3 + a] * measured[3 + b] +
-                              tracker[6 + a] * measured[6 + b];
+    mukca_mat3_tmul(base, tracker, measured);
     mukca_rotation_difference(w, base, R);
     for (int c = 0; c < 3; c++) y[3 + c] = unknowns->rotation_weight * w[c];
 }

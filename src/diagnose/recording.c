@@ -99,7 +99,7 @@ void mukca_recording_regroup(mukca_recording *r)
     fill_samples(r);
 }
 
-/* Fill move, command, time and placement of each row. */
+/* Fill command, time and placement of each row. */
 static void fill_motion(mukca_recording *r)
 {
     const size_t n = (size_t)r->chain->n_joints, size = n * sizeof(double);

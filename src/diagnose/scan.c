@@ -52,7 +52,7 @@ bool mukca_scan_aim(mukca_scan *s, int family)
     const mukca_normal_equations *normal = mukca_regression_collect(m, family);
     mukca_unknowns_prior(evidence->posterior.prior, &m->unknowns, -1);
     const double value = mukca_evidence_evaluate(evidence, normal, sigma, NULL);
-    const int n = normal->n;
+    const int n = m->linear.n_columns, ld = m->linear.stride;
     s->normal = normal;
     s->white = mukca_evidence_whiten(evidence, normal);
     s->n = n;
@@ -64,11 +64,11 @@ bool mukca_scan_aim(mukca_scan *s, int family)
     memcpy(s->prior, evidence->posterior.prior, sizeof *s->prior * (size_t)n);
     s->n_rows = m->recording.n_samples * m->recording.dim + normal->n_pairs;
     for (int p = 0; p < normal->n_pairs; p++) {
-        const double *distance = normal->all_distance + p * normal->stride;
-        double *x = evidence->white.x + (s->n_rows - normal->n_pairs + p) * (long)m->linear.stride;
+        const double *distance = normal->all_distance + p * ld;
+        double *x = evidence->white.x + (s->n_rows - normal->n_pairs + p) * (long)ld;
         s->link[p] = 1 / sqrt(normal->variance[p]);
         for (int t = 0; t < n; t++) x[t] = s->link[p] * distance[t];
-        x[m->linear.y] = s->link[p] * distance[normal->stride - 1];
+        x[m->linear.y] = s->link[p] * distance[ld - 1];
     }
     return isfinite(value);
 }

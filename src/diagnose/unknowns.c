@@ -21,11 +21,11 @@ static bool take_arrays(mukca_unknowns *u, mukca_pool *pool)
 /* C = inverse(A) B */
 static void between(mukca_frame *C, const mukca_frame *A, const mukca_frame *B)
 {
-    mukca_frame inverse = {
-        .R = {A->R[0], A->R[3], A->R[6], A->R[1], A->R[4], A->R[7], A->R[2], A->R[5], A->R[8]}};
-    mukca_mat3_tvec(inverse.p, A->R, A->p);
-    for (int c = 0; c < 3; c++) inverse.p[c] = -inverse.p[c];
-    mukca_frame_multiply(C, &inverse, B);
+    double origin[3];
+    mukca_mat3_tmul(C->R, A->R, B->R);
+    mukca_mat3_tvec(C->p, A->R, B->p);
+    mukca_mat3_tvec(origin, A->R, A->p);
+    for (int c = 0; c < 3; c++) C->p[c] -= origin[c];
 }
 
 /* Align the free frames to the nominal geometry: shared frames by the first log if other frames are
