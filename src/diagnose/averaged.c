@@ -78,13 +78,12 @@ MUKCA_FALLING(by_weight, selection, weight)
 static void thin(naming *all)
 {
     const int n = all->n_selections;
-    selection before[MOST];
     uint64_t probable = 0;
-    memcpy(before, all->list, sizeof before);
     for (int i = 0; i < all->n; i++)
         if (all->weight[i] >= NEGLIGIBLE) probable |= UINT64_C(1) << i;
     all->n_selections = 0;
-    for (int i = 0; i < n; i++) select_causes(all, before[i].in & probable, before[i].weight);
+    for (int i = 0; i < n; i++) /* in place: there are no more of them */
+        select_causes(all, all->list[i].in & probable, all->list[i].weight);
     qsort(all->list, (size_t)all->n_selections, sizeof *all->list, by_weight);
     while (all->n_selections > 1 && (all->n_selections > MUKCA_MOST_MODELS ||
                                      all->list[all->n_selections - 1].weight < NEGLIGIBLE))

@@ -190,10 +190,6 @@ void mukca_unlisted_fill(const mukca_candidate *candidate, const mukca_recording
 /* Have its values unit size?  Else they are scaled by the samples. */
 bool mukca_unlisted_is_normalised(const mukca_candidate *candidate);
 
-/* Columns out[3][ld], 3 wide, of a function of the tilt for the frame R[9] of the tip. */
-void mukca_unlisted_tilt(double *out, int ld, const mukca_candidate *candidate, const double *R,
-                         const double gravity[3]);
-
 /* Recompute the basis of a prepared candidate, for other angles of the same recording. */
 void mukca_candidate_fill(const mukca_candidate *candidate, const mukca_recording *recording);
 

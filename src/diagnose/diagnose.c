@@ -42,11 +42,12 @@ static const char does_not_fit[] =
 static const char *find_missing(mukca_diagnosis *d, const mukca_recording *r)
 {
     const mukca_chain *chain = r->chain;
-    int unknowns = r->dim == 6 ? 6 : 3;
+    int unknowns = r->dim == 6 ? 6 : 3, postures = 0;
+    for (int i = 0; i < r->n_samples; i++) postures += r->samples.readings[i] > 0;
     for (int j = 0; j < chain->n_joints; j++)
         unknowns += chain->element[chain->joint_element[j]].type == MUKCA_PRISMATIC ? 2 : 4;
     const int needed = r->groups[0].socket < 0 ? 2 * unknowns : 3 * r->n_groups + 12;
-    const int missing = (needed + r->dim - 1) / r->dim - mukca_recording_distinct(r);
+    const int missing = (needed + r->dim - 1) / r->dim - postures;
     char *why = missing > 0 ? mukca_pool_take(&d->pool, 80, 1) : NULL;
     if (why) snprintf(why, 80, "too few different samples: record %d more", missing);
     return why;

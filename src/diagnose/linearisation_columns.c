@@ -1,4 +1,5 @@
 /* Columns of a candidate at a linearisation: levers times basis functions. */
+#include <math.h>
 #include <string.h>
 
 #include "base/clones.h"
@@ -80,6 +81,28 @@ MUKCA_CLONES static void turn_levers(double *E, int ld, const lever_rows *by,
     }
 }
 
+/* Columns out[3][ld], 3 wide, of a function of the tilt for the frame R[9] of the tip, with v, the
+ * vertical component of an axis of it.  On the tool: a shift to either side, by the sign of
+ * v.  In the socket: upwards by v and v^2, as by an oval ball or its neck on the rim, and along the
+ * axis by v. */
+static void tilt(double *out, int ld, const mukca_candidate *h, const double *R,
+                 const double gravity[3])
+{
+    const double g = fmax(sqrt(mukca_dot3(gravity, gravity)), 1e-9);
+    const int k = h->unlisted.argument;
+    double v = 0;
+    for (int c = 0; c < 3; c++) v -= R[3 * c + k] * gravity[c] / g;
+    for (int c = 0; c < 3; c++, out += ld) {
+        if (h->unlisted.place == MUKCA_PLACE_TOOL) {
+            for (int t = 0; t < 3; t++) out[t] = v > 0 ? R[3 * c + t] : -R[3 * c + t];
+            continue;
+        }
+        out[0] = -gravity[c] / g * v;
+        out[1] = out[0] * v;
+        out[2] = R[3 * c + k] * v;
+    }
+}
+
 void mukca_linearisation_columns(double *E, int ld, const mukca_linearisation *linear,
                                  const mukca_candidate *h)
 {
@@ -98,8 +121,7 @@ void mukca_linearisation_columns(double *E, int ld, const mukca_linearisation *l
                 mukca_candidate_fault_share(h, recording, recording->order[i]);
             for (int c = 0; c < 3; c++) out[c * ld + c] = -displacement;
         } else if (mukca_candidate_site(h) == MUKCA_SITE_SEAT) {
-            mukca_unlisted_tilt(out, ld, h, linear->seated_frame + 9 * i,
-                                recording->chain->gravity);
+            tilt(out, ld, h, linear->seated_frame + 9 * i, recording->chain->gravity);
         }
     }
 }

@@ -76,7 +76,6 @@ void mukca_recording_regroup(mukca_recording *r)
 {
     const mukca_dataset *data = r->data;
     r->n_samples = r->n_groups = r->n_pairs = 0;
-    r->n_artefacts = mukca_dataset_artefacts(data);
     for (int s = -1; s < data->n_sockets; s++) {
         mukca_group *group = &r->groups[r->n_groups];
         *group = (mukca_group){.start = r->n_samples, .socket = s, .placement = -1};
@@ -238,13 +237,6 @@ bool mukca_recording_seat(mukca_recording *r, mukca_pool *pool, const double *se
     }
     if (moved) mukca_postures_move(r->move, r->repeat, pool, r->posture, r->data, r->q);
     return moved;
-}
-
-int mukca_recording_distinct(const mukca_recording *r)
-{
-    int distinct = 0;
-    for (int i = 0; i < r->n_samples; i++) distinct += r->samples.readings[i] > 0;
-    return distinct;
 }
 
 double mukca_recording_count_targets(double *weight, const mukca_recording *r, double ratio)

@@ -72,8 +72,7 @@ typedef struct {
     /* samples: the rows in use, by group */
     unsigned char *keep; /* [n_rows] */
     int n_samples, n_groups, n_pairs;
-    int n_artefacts; /* of all distances of the dataset */
-    int *order;      /* [n_samples] row of the dataset */
+    int *order; /* [n_samples] row of the dataset */
     mukca_group *groups;
     mukca_samples samples; /* the same for inference */
     mukca_socket_pair *pairs;
@@ -108,9 +107,6 @@ void mukca_recording_range(double range[2], const mukca_recording *recording, co
 
 /* Smallest and largest angle of a joint in the samples in use. */
 void mukca_recording_travel(double range[2], const mukca_recording *recording, int joint);
-
-/* Number of samples with different postures. */
-int mukca_recording_distinct(const mukca_recording *recording);
 
 /* Number the pose logs: rows of one file and one load, since a target with another mass is a new
  * mounting; or rows of one named target.  log[n_rows] (may be NULL) receives the index, 0 for

@@ -90,7 +90,7 @@ bool mukca_unknowns_create(mukca_unknowns *u, mukca_pool *pool, const mukca_reco
     u->first_target = u->first_tracker + 6 * u->n_trackers;
     u->first_artefact =
         u->first_target + (u->n_targets > 1 ? u->slot_width * (u->n_targets - 1) : 0);
-    u->n_geometry = u->first_artefact + recording->n_artefacts;
+    u->n_geometry = u->first_artefact + mukca_dataset_artefacts(recording->data);
     return take_arrays(u, pool);
 }
 

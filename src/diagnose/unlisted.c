@@ -354,24 +354,3 @@ void mukca_unlisted_fill(const mukca_candidate *h, const mukca_recording *r)
                                 (h->width_of_term == 1 ? 1 : (i == a) - s.axis[i] * s.axis[a]));
     }
 }
-
-/* v: vertical component of an axis of the tip.  On the tool: a shift to either side, by the sign of
- * v.  In the socket: upwards by v and v^2, as by an oval ball or its neck on the rim, and along the
- * axis by v. */
-void mukca_unlisted_tilt(double *out, int ld, const mukca_candidate *h, const double *R,
-                         const double gravity[3])
-{
-    const double g = fmax(sqrt(mukca_dot3(gravity, gravity)), 1e-9);
-    const int k = h->unlisted.argument;
-    double v = 0;
-    for (int c = 0; c < 3; c++) v -= R[3 * c + k] * gravity[c] / g;
-    for (int c = 0; c < 3; c++, out += ld) {
-        if (h->unlisted.place == MUKCA_PLACE_TOOL) {
-            for (int t = 0; t < 3; t++) out[t] = v > 0 ? R[3 * c + t] : -R[3 * c + t];
-            continue;
-        }
-        out[0] = -gravity[c] / g * v;
-        out[1] = out[0] * v;
-        out[2] = R[3 * c + k] * v;
-    }
-}

@@ -55,9 +55,8 @@ double mukca_set_kinship(const mukca_sets *s, const mukca_set *set, int n, int i
 /* Index of a set with these members, which is stored if it is new; -1: no room. */
 int mukca_set_find(mukca_sets *s, const mukca_set *set);
 
-/* Set with another item; false: no room, or its key is in the set.  Set without a member. */
+/* Set with another item; false: no room, or its key is in the set. */
 bool mukca_set_extend(mukca_set *out, const mukca_sets *s, const mukca_set *set, int item,
                       int size);
-mukca_set mukca_set_reduce(const mukca_set *set, int member);
 
 #endif

@@ -239,16 +239,6 @@ bool mukca_set_extend(mukca_set *out, const mukca_sets *s, const mukca_set *set,
     return columns <= MUKCA_SET_COLUMNS;
 }
 
-mukca_set mukca_set_reduce(const mukca_set *set, int member)
-{
-    mukca_set out = *set;
-    out.n--;
-    memmove(out.item + member, set->item + member + 1, sizeof *out.item * (size_t)(out.n - member));
-    memmove(out.size + member, set->size + member + 1, sizeof *out.size * (size_t)(out.n - member));
-    out.exact = out.expanded = out.swapped = false;
-    return out;
-}
-
 int mukca_sets_insert(mukca_sets *s, const int *item, const double *size, int n)
 {
     mukca_set set = {0}, next;

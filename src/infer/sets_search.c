@@ -44,6 +44,17 @@ static int keep(mukca_sets *s, const mukca_set *set, const mukca_scores *scores,
     return n;
 }
 
+/* Set without a member. */
+static mukca_set reduce(const mukca_set *set, int member)
+{
+    mukca_set out = *set;
+    out.n--;
+    memmove(out.item + member, set->item + member + 1, sizeof *out.item * (size_t)(out.n - member));
+    memmove(out.size + member, set->size + member + 1, sizeof *out.size * (size_t)(out.n - member));
+    out.exact = out.expanded = out.swapped = false;
+    return out;
+}
+
 /* A member that is left out: k rows W of M^-1 V D G, w = M^-1 x; the log Bayes factor, and the log
  * odds, below which a replacement is of no interest. */
 typedef struct {
@@ -200,7 +211,7 @@ static void swap_member(void *context, int m, int worker)
                     (mukca_columns){s->integrated.B + at * q->stride, q->stride, q->stride},
                     s->integrated.posterior.n - at);
     mukca_dense_forward(W, q->stride, f->D, h->terms);
-    const mukca_set less = mukca_set_reduce(job->set, m);
+    const mukca_set less = reduce(job->set, m);
     v.least = job->pairs ? 0 : job->member[m].gain - WINDOW;
     v.least_odds = job->member[m].gain + h->log_prior - WINDOW; /* keep() meets the member, too */
     const scoring all = {s, &less, &v, s->scores[m]};
@@ -218,7 +229,7 @@ static void swap(mukca_sets *s, int index, bool weighed, bool pairs)
     mukca_given_invert(s);
     mukca_workers_run(s->question->workers, set.n, swap_member, &job);
     for (int m = 0; m < set.n; m++) {
-        mukca_set less = mukca_set_reduce(&set, m);
+        mukca_set less = reduce(&set, m);
         if (!job.member[m].possible) continue;
         less.value = set.value - job.member[m].gain - s->question->item[set.item[m]].log_prior -
                      mukca_set_kinship(s, &less, less.n, set.item[m]);
