@@ -243,7 +243,7 @@ static bool turns_about(const mukca_arm_posterior *p, int joint)
     for (int i = 0; i < r->n_samples; i++) {
         const int row = r->order[i];
         const double *e = p->residual[row], w = p->weight[row] * p->weight[row];
-        mukca_fk_frames(frame, NULL, &p->m.unknowns.geometry, p->data.q + row * p->data.n_joints,
+        mukca_fk_frames(frame, NULL, &p->m.unknowns.arm.geometry, p->data.q + row * p->data.n_joints,
                         NULL);
         mukca_mat3_vec(axis, frame[k].R, p->chain.element[k].axis);
         const double part = mukca_dot3(axis, e);
@@ -263,7 +263,7 @@ static void describe(mukca_tip_error *out, mukca_chain *here, const mukca_arm_po
     const int tip = mukca_chain_tip_element(&p->chain);
     if (tip >= 0)
         out->tool_m =
-            mukca_distance3(p->m.unknowns.geometry.origin[tip].p, p->chain.element[tip].xyz);
+            mukca_distance3(p->m.unknowns.arm.geometry.origin[tip].p, p->chain.element[tip].xyz);
     for (int j = 0; j < here->n_joints; j++) out->stuck[j] = out->at_rest[j] && turns_about(p, j);
 }
 

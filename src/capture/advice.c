@@ -87,7 +87,7 @@ static mukca_status renew(mukca_capture_advice *advice, mukca_capture *capture,
         return status;
     }
     capture->noise = p->m.unknowns.sigma;
-    capture->geometry = p->m.unknowns.geometry;
+    capture->geometry = p->m.unknowns.arm.geometry;
     advise(advice, capture, p);
     return MUKCA_OK;
 }

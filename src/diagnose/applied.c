@@ -40,7 +40,7 @@ static void slot_jacobian(double J[6][6], mukca_regression *m, int slot, int wid
         for (int s = 0; s < 2; s++) {
             *unknown = kept + (s ? step : -step);
             mukca_unknowns_set_geometry(&m->unknowns, m->recording.chain);
-            mukca_geometry_theta(side[s], m->recording.chain, &m->unknowns.geometry);
+            mukca_geometry_theta(side[s], m->recording.chain, &m->unknowns.arm.geometry);
         }
         *unknown = kept;
         for (int p = 0; p < 6; p++) J[p][c] = (side[1][at + p] - side[0][at + p]) / (2 * step);
@@ -152,7 +152,7 @@ void mukca_applied_fit(mukca_applied *a, mukca_regression *m)
             a->effect_sigma[i][t] = sigma_of(&effect[i][t]);
         }
     }
-    a->geometry = u->geometry;
-    a->tracker = u->log.tracker[0];
+    a->geometry = u->arm.geometry;
+    a->tracker = u->arm.log.tracker[0];
     a->fitted = true;
 }

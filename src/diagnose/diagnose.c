@@ -205,8 +205,8 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
         set_untestable(diagnosis, m, missing ? missing : does_not_fit);
     else if ((status = choose_sign(m, options, error)) == MUKCA_OK)
         status = identify(diagnosis, m, options, error);
-    diagnosis->geometry = m->unknowns.geometry;
-    diagnosis->tracker = m->unknowns.log.tracker[0];
+    diagnosis->geometry = m->unknowns.arm.geometry;
+    diagnosis->tracker = m->unknowns.arm.log.tracker[0];
     if (status == MUKCA_OK && !options->no_folds) status = validate(diagnosis, m, options, error);
     if (status == MUKCA_OK && options->applied && !missing)
         mukca_applied_fit(&diagnosis->applied, m);

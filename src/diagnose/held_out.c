@@ -49,15 +49,12 @@ static void measure_geometry(mukca_diagnosis *d, mukca_arm_state *geometry, mukc
     mukca_unknowns *u = &m->unknowns;
     const int rows = m->recording.data->n_rows;
     const bool as_recorded = u->n_causes > 0 || m->recording.n_samples < rows;
-    mukca_arm_state *nominal = MUKCA_TAKE(&m->pool, mukca_arm_state, 1);
-    if (!nominal) return; /* the pool keeps the failure */
-    *nominal = mukca_unknowns_nominal_arm(u, m->recording.chain);
-    *geometry = mukca_unknowns_arm(u);
+    *geometry = u->arm;
     measure_axes(d->axis_rms_m, m);
-    mukca_unknowns_set_arm(u, nominal);
+    u->arm = mukca_unknowns_nominal_arm(u, m->recording.chain);
     for (int row = 0; row < rows; row++)
         mukca_unknowns_predict(b->position + 3 * row, u, &m->recording, row);
-    mukca_unknowns_set_arm(u, geometry);
+    u->arm = *geometry;
     mukca_folds_errors(d->before_m, m, b->position, m->recording.keep, true);
     mukca_folds_errors(b->error, m, b->position, NULL, false);
     d->nominal_m = mukca_folds_mean(b->error, rows);

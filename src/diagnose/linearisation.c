@@ -39,7 +39,7 @@ static void pose_residual(double *y, const mukca_linearisation *linear,
     const size_t row = (size_t)recording->order[i];
     const double *p = linear->tip + 3 * i, *R = linear->tip_frame + 9 * i;
     const int log = recording->log[row];
-    const double *tracker = unknowns->log.tracker[log].R;
+    const double *tracker = unknowns->arm.log.tracker[log].R;
     mukca_unknowns_to_base(y, unknowns, log, recording->data->position + 3 * row);
     for (int c = 0; c < 3; c++) y[c] -= p[c];
     if (recording->dim < 6) return;
@@ -53,7 +53,7 @@ static void pose_residual(double *y, const mukca_linearisation *linear,
 /* Move the tip's frame to the log's own target. */
 static void to_target(mukca_frame *tip, const mukca_unknowns *u, int log)
 {
-    const mukca_frame *shift = &u->log.shift[log];
+    const mukca_frame *shift = &u->arm.log.shift[log];
     if (log > 0 && u->n_targets > 1) mukca_frame_multiply(tip, tip, shift);
 }
 
@@ -91,7 +91,7 @@ static void predict(void *context, int block, int worker)
         mukca_frame tip;
         mukca_displacement displacement;
         mukca_unknowns_displacement(&displacement, unknowns, n_joints, row);
-        mukca_fk_pose(&tip, &unknowns->geometry, recording->data->q + row * n_joints,
+        mukca_fk_pose(&tip, &unknowns->arm.geometry, recording->data->q + row * n_joints,
                       &displacement);
         to_target(&tip, unknowns, recording->log[row]);
         memcpy(linear->tip + 3 * i, tip.p, sizeof tip.p);
@@ -181,7 +181,7 @@ static void fill_sample(mukca_linearisation *linear, const mukca_unknowns *u, in
     double *X = linear->columns + (size_t)i * (size_t)d * (size_t)ld;
     double *base_lever = linear->base_lever + (size_t)i * (size_t)(3 * d);
     mukca_frame before[MUKCA_MAX_ELEMENTS], tip;
-    mukca_fk_frames(before, &tip, &u->geometry, q, displacement);
+    mukca_fk_frames(before, &tip, &u->arm.geometry, q, displacement);
     to_target(&tip, u, log);
     memset(X, 0, sizeof *X * (size_t)d * (size_t)ld);
     double turn[6][3];
@@ -193,7 +193,7 @@ static void fill_sample(mukca_linearisation *linear, const mukca_unknowns *u, in
     for (int k = 0; k < chain->n_elements; k++) {
         const mukca_element *element = &chain->element[k];
         const double *R = before[k].R;
-        mukca_mat3_tvec(local, u->geometry.origin[k].R, element->xyz);
+        mukca_mat3_tvec(local, u->arm.geometry.origin[k].R, element->xyz);
         mukca_mat3_vec(length, R, local);
         for (int c = 0; c < 3; c++) factor[c] += length[c];
         const bool free = slot < u->n_slots && u->slot_element[slot] == k;
@@ -292,7 +292,7 @@ static void fill_geometry(void *context, int block, int worker)
         else
             pose_residual(r, linear, u, i);
         linear->distance[i] = sqrt(mukca_dot3(r, r));
-        mukca_linearisation_seat(seated, r, n, &u->geometry, &displacement);
+        mukca_linearisation_seat(seated, r, n, &u->arm.geometry, &displacement);
         /* far from the solution, frames of a pose log would turn into angles */
         fill_sample(linear, u, i, seat ? seated : recording->data->q + row * n, &displacement);
     }

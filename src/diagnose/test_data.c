@@ -71,14 +71,15 @@ static void place_targets(mukca_regression *test, int first)
     for (int log = first; log < MUKCA_MAX_LOGS; log++) {
         double sum[3] = {0};
         int n = 0;
-        u->log.tracker[log] = u->log.tracker[0];
+        u->arm.log.tracker[log] = u->arm.log.tracker[0];
         for (int row = 0; row < r->data->n_rows; row++) {
             if (r->log[row] != log || r->data->socket[row] >= 0) continue;
             double measured[3], local[3];
             mukca_frame tip;
             mukca_displacement d;
             mukca_unknowns_displacement(&d, u, r->chain->n_joints, row);
-            mukca_fk_pose(&tip, &u->geometry, r->data->q + (size_t)row * (size_t)r->chain->n_joints,
+            mukca_fk_pose(&tip, &u->arm.geometry,
+                          r->data->q + (size_t)row * (size_t)r->chain->n_joints,
                           u->n_causes ? &d : NULL);
             mukca_unknowns_to_base(measured, u, log, r->data->position + 3 * (size_t)row);
             for (int c = 0; c < 3; c++) measured[c] -= tip.p[c];
@@ -86,8 +87,8 @@ static void place_targets(mukca_regression *test, int first)
             for (int c = 0; c < 3; c++) sum[c] += local[c];
             n++;
         }
-        u->log.shift[log] = (mukca_frame){.R = MUKCA_IDENTITY};
-        for (int c = 0; c < 3 && n; c++) u->log.shift[log].p[c] = sum[c] / n;
+        u->arm.log.shift[log] = (mukca_frame){.R = MUKCA_IDENTITY};
+        for (int c = 0; c < 3 && n; c++) u->arm.log.shift[log].p[c] = sum[c] / n;
     }
 }
 
@@ -130,8 +131,8 @@ mukca_status mukca_test_data_measure(mukca_diagnosis *d, double *of_geometry,
     /* states only, without columns: predictions use the fitted unknowns */
     mukca_pool scratch = {0};
     mukca_regression *t = MUKCA_TAKE(&scratch, mukca_regression, 1);
-    mukca_arm_state *arm = MUKCA_TAKE(&scratch, mukca_arm_state, 2);
-    if (!t || !arm) {
+    mukca_arm_state *nominal = MUKCA_TAKE(&scratch, mukca_arm_state, 1);
+    if (!t || !nominal) {
         mukca_pool_free(&scratch);
         return mukca_fail(error, MUKCA_MEMORY, "out of memory for the held-out rows");
     }
@@ -147,11 +148,10 @@ mukca_status mukca_test_data_measure(mukca_diagnosis *d, double *of_geometry,
     }
     double *position = MUKCA_TAKE(&t->pool, double, 3 * rows);
     double *row_error = MUKCA_TAKE(&t->pool, double, rows);
-    arm[0] = mukca_unknowns_nominal_arm(&m->unknowns, m->recording.chain);
-    arm[1] = mukca_unknowns_arm(&m->unknowns);
-    const mukca_arm_state *const step[3] = {&arm[0], geometry, &arm[1]};
+    *nominal = mukca_unknowns_nominal_arm(&m->unknowns, m->recording.chain);
+    const mukca_arm_state *const step[3] = {nominal, geometry, &m->unknowns.arm};
     double *const result[3] = {&d->test_nominal_m, &d->test_geometry_m, &d->test_explained_m};
-    mukca_unknowns_set_arm(&t->unknowns, geometry);
+    t->unknowns.arm = *geometry;
     const int untrained = match_logs(t, m);
     d->n_test_placements = test->n_placements;
     d->test_placement_mae_m = MUKCA_TAKE(&d->pool, double, test->n_placements + 1);
@@ -161,7 +161,7 @@ mukca_status mukca_test_data_measure(mukca_diagnosis *d, double *of_geometry,
     for (int s = 0; s < 3 && !t->pool.failed && !d->pool.failed; s++) {
         if (s == 2 && !carry_causes(t, m)) break;
         row_error = rows_of[s];
-        mukca_unknowns_set_arm(&t->unknowns, step[s]);
+        t->unknowns.arm = *step[s];
         place_targets(t, untrained);
         for (int row = 0; row < rows; row++)
             mukca_unknowns_predict(position + 3 * row, &t->unknowns, &t->recording, row);

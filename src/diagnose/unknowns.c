@@ -40,10 +40,10 @@ static bool align_logs(mukca_unknowns *u, mukca_pool *pool, const mukca_recordin
     for (int row = 0; row < rows; row++)
         keep[row] = r->log[row] == 0 || !(own_tracker || own_target);
     if (!mukca_align(
-            &first, &u->geometry, r->data,
+            &first, &u->arm.geometry, r->data,
             &(mukca_align_options){.tracker = u->free_base, .target = u->free_tool, .keep = keep}))
         return false;
-    mukca_geometry known = u->geometry; /* including the shared frames */
+    mukca_geometry known = u->arm.geometry; /* including the shared frames */
     if (!own_tracker) mukca_frame_multiply(&known.origin[0], &first.tracker, &known.origin[0]);
     if (!own_target) mukca_frame_multiply(&known.origin[last], &known.origin[last], &first.target);
     u->nominal_target = first.target;
@@ -75,9 +75,9 @@ bool mukca_unknowns_create(mukca_unknowns *u, mukca_pool *pool, const mukca_reco
         .rotation_weight = 0.3};
     u->n_trackers = !u->free_base ? 0 : recording->options.base_per_log ? recording->n_logs : 1;
     u->n_targets = !u->free_tool ? 0 : recording->options.tool_per_log ? recording->n_logs : 1;
-    mukca_geometry_set(&u->geometry, chain, NULL);
+    mukca_geometry_set(&u->arm.geometry, chain, NULL);
     if (!align_logs(u, pool, recording)) return false;
-    u->log = u->nominal;
+    u->arm.log = u->nominal;
     u->target = u->nominal_target;
     /* The first joint's origin moves all sockets alike: identifiable from measured poses only. */
     for (int j = poses && !u->free_base ? 0 : 1; j < chain->n_joints; j++)
@@ -120,15 +120,15 @@ int mukca_unknowns_capacity(const mukca_unknowns *u)
 
 void mukca_unknowns_set_geometry(mukca_unknowns *u, const mukca_chain *chain)
 {
-    mukca_geometry_set(&u->geometry, chain, NULL);
+    mukca_geometry_set(&u->arm.geometry, chain, NULL);
     const double factor = 1 + u->theta[u->first_tracker - 1];
     for (int k = 0; k < chain->n_elements; k++)
-        for (int c = 0; c < 3; c++) u->geometry.origin[k].p[c] *= factor;
+        for (int c = 0; c < 3; c++) u->arm.geometry.origin[k].p[c] *= factor;
     for (int k = 0; k < u->n_slots; k++) {
         const double *t = u->theta + 6 * k;
         mukca_frame local = {MUKCA_IDENTITY, {t[0], t[1], t[2]}};
         if (k + 1 < u->n_slots || u->slot_width == 6) mukca_rotation_exp(local.R, t + 3);
-        mukca_frame *origin = &u->geometry.origin[u->slot_element[k]];
+        mukca_frame *origin = &u->arm.geometry.origin[u->slot_element[k]];
         if (u->free_tool && k + 1 == u->n_slots) mukca_frame_multiply(origin, origin, &u->target);
         mukca_frame_multiply(origin, origin, &local);
     }
@@ -147,12 +147,12 @@ void mukca_unknowns_fold_frames(mukca_unknowns *u)
 {
     const bool turns = u->slot_width == 6;
     for (int g = 0; g < u->n_trackers; g++)
-        fold(&u->log.tracker[g], u->theta + u->first_tracker + 6 * g, true);
+        fold(&u->arm.log.tracker[g], u->theta + u->first_tracker + 6 * g, true);
     for (int g = 1; g < MUKCA_MAX_LOGS && u->n_trackers == 1; g++)
-        u->log.tracker[g] = u->log.tracker[0];
+        u->arm.log.tracker[g] = u->arm.log.tracker[0];
     if (u->free_tool) fold(&u->target, u->theta + 6 * (u->n_slots - 1), turns);
     for (int g = 1; g < u->n_targets; g++)
-        fold(&u->log.shift[g], u->theta + u->first_target + u->slot_width * (g - 1), turns);
+        fold(&u->arm.log.shift[g], u->theta + u->first_target + u->slot_width * (g - 1), turns);
 }
 
 mukca_arm_state mukca_unknowns_nominal_arm(const mukca_unknowns *u, const mukca_chain *chain)
@@ -162,17 +162,6 @@ mukca_arm_state mukca_unknowns_nominal_arm(const mukca_unknowns *u, const mukca_
     mukca_frame *last = &arm.geometry.origin[chain->n_elements - 1];
     mukca_frame_multiply(last, last, &u->nominal_target);
     return arm;
-}
-
-mukca_arm_state mukca_unknowns_arm(const mukca_unknowns *u)
-{
-    return (mukca_arm_state){.geometry = u->geometry, .log = u->log};
-}
-
-void mukca_unknowns_set_arm(mukca_unknowns *u, const mukca_arm_state *arm)
-{
-    u->geometry = arm->geometry;
-    u->log = arm->log;
 }
 
 void mukca_unknowns_set_geometry_prior(mukca_unknowns *u, const mukca_recording *recording)
@@ -277,15 +266,15 @@ void mukca_unknowns_predict(double position[3], const mukca_unknowns *u,
 {
     const int n_joints = recording->chain->n_joints, log = recording->log[row];
     const double *q = recording->data->q + (size_t)row * (size_t)n_joints;
-    const mukca_frame *tracker = &u->log.tracker[log];
+    const mukca_frame *tracker = &u->arm.log.tracker[log];
     mukca_displacement d;
     mukca_frame tip;
     mukca_unknowns_displacement(&d, u, n_joints, row);
     if (log == 0 || u->n_targets < 2) {
-        mukca_fk_position(tip.p, &u->geometry, q, u->n_causes ? &d : NULL);
+        mukca_fk_position(tip.p, &u->arm.geometry, q, u->n_causes ? &d : NULL);
     } else {
-        mukca_fk_pose(&tip, &u->geometry, q, u->n_causes ? &d : NULL);
-        mukca_frame_multiply(&tip, &tip, &u->log.shift[log]);
+        mukca_fk_pose(&tip, &u->arm.geometry, q, u->n_causes ? &d : NULL);
+        mukca_frame_multiply(&tip, &tip, &u->arm.log.shift[log]);
     }
     memcpy(position, tip.p, sizeof tip.p);
     if (recording->data->socket[row] >= 0) return;
@@ -296,7 +285,7 @@ void mukca_unknowns_predict(double position[3], const mukca_unknowns *u,
 void mukca_unknowns_to_base(double position[3], const mukca_unknowns *u, int log,
                             const double measured[3])
 {
-    const mukca_frame *tracker = &u->log.tracker[log];
+    const mukca_frame *tracker = &u->arm.log.tracker[log];
     double difference[3];
     for (int c = 0; c < 3; c++) difference[c] = measured[c] - tracker->p[c];
     mukca_mat3_tvec(position, tracker->R, difference);

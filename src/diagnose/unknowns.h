@@ -31,6 +31,12 @@ typedef struct {
     mukca_frame shift[MUKCA_MAX_LOGS];   /* target relative to that of the first log */
 } mukca_log_frames;
 
+/* State of the arm for predictions: one step of the error breakdown. */
+typedef struct {
+    mukca_geometry geometry;
+    mukca_log_frames log; /* per log */
+} mukca_arm_state;
+
 typedef struct {
     /* Columns of the geometry: slot k is an element with a free origin and has six, x y z and the
      * rotation vector; the last slot has slot_width.  Then one common factor of all lengths; then
@@ -45,11 +51,10 @@ typedef struct {
     double *theta;       /* [n_geometry] offsets from the nominal geometry, in local frames */
     double *theta_prior; /* [n_geometry] prior sigmas */
     mukca_geometry_prior prior; /* its lengths and angles are chosen by the evidence */
-    mukca_geometry geometry;    /* the arm with offsets theta */
-    /* Pose logs: the offsets theta are composed into the frames, since large rotations do not add.
-     */
-    mukca_log_frames log; /* per log */
-    mukca_frame target;   /* free_tool: of the first log, in the nominal frame of the last slot */
+    /* The arm with offsets theta.  In pose logs they are composed into the frames, since large
+     * rotations do not add. */
+    mukca_arm_state arm;
+    mukca_frame target; /* free_tool: of the first log, in the nominal frame of the last slot */
     mukca_log_frames nominal; /* the same, aligned to the nominal geometry */
     mukca_frame nominal_target;
 
@@ -67,16 +72,8 @@ typedef struct {
     double *tails;          /* [n_rows] weights of Student's noise, NULL: Gaussian noise */
 } mukca_unknowns;
 
-/* State of the arm for predictions: one step of the error breakdown. */
-typedef struct {
-    mukca_geometry geometry;
-    mukca_log_frames log;
-} mukca_arm_state;
-
 mukca_arm_state mukca_unknowns_nominal_arm(const mukca_unknowns *unknowns,
                                            const mukca_chain *chain);
-mukca_arm_state mukca_unknowns_arm(const mukca_unknowns *unknowns);
-void mukca_unknowns_set_arm(mukca_unknowns *unknowns, const mukca_arm_state *arm);
 
 /* Memory comes from `pool`.  False: no memory. */
 bool mukca_unknowns_create(mukca_unknowns *unknowns, mukca_pool *pool,

@@ -283,7 +283,7 @@ static mukca_status take_over(trial *t, mukca_diagnosis *d, mukca_error *error)
 {
     mukca_regression *m = t->m;
     mukca_status status = MUKCA_OK;
-    d->geometry = m->unknowns.geometry;
+    d->geometry = m->unknowns.arm.geometry;
     if (d->folds > 1) {
         mukca_folds b = {.m = m};
         const int rows = m->recording.data->n_rows;
@@ -297,8 +297,7 @@ static mukca_status take_over(trial *t, mukca_diagnosis *d, mukca_error *error)
     if (t->adoption->test) {
         const double of_arm[2] = {d->test_geometry_m,
                                   d->test_explained_m}; /* of the arm by itself */
-        const mukca_arm_state arm = mukca_unknowns_arm(&m->unknowns);
-        status = mukca_test_data_measure(d, NULL, m, &arm, t->adoption->test, error);
+        status = mukca_test_data_measure(d, NULL, m, &m->unknowns.arm, t->adoption->test, error);
         d->test_applied_m = d->test_explained_m;
         d->test_geometry_m = of_arm[0], d->test_explained_m = of_arm[1];
     }

@@ -81,9 +81,9 @@ static void predict(mukca_frame *pose, mukca_unknowns *u, const mukca_recording 
 {
     mukca_unknowns_fold_frames(u);
     mukca_unknowns_set_geometry(u, r->chain);
-    mukca_fk_pose(pose, &u->geometry, q, NULL);
-    mukca_frame_multiply(pose, pose, &u->log.shift[r->log[row]]);
-    if (u->free_base) mukca_frame_multiply(pose, &u->log.tracker[r->log[row]], pose);
+    mukca_fk_pose(pose, &u->arm.geometry, q, NULL);
+    mukca_frame_multiply(pose, pose, &u->arm.log.shift[r->log[row]]);
+    if (u->free_base) mukca_frame_multiply(pose, &u->arm.log.tracker[r->log[row]], pose);
 }
 
 /* Offsets of some milliradians change a column by as much: it is that of the frame after them. */
@@ -103,9 +103,9 @@ static void check_diagnosis(const scene *s, mukca_random *random, double offset)
     assert_int_equal(d, s->oriented && !s->sockets ? 6 : 3);
     assert_true(u->free_tool == (s->tool && !s->sockets));
     for (int g = 0; g < MUKCA_MAX_LOGS && !s->sockets; g++) {
-        u->log.tracker[g] = s->tracker;
-        mukca_rotation_exp(u->log.shift[g].R, (const double[3]){0, 0, 0});
-        memset(u->log.shift[g].p, 0, sizeof u->log.shift[g].p);
+        u->arm.log.tracker[g] = s->tracker;
+        mukca_rotation_exp(u->arm.log.shift[g].R, (const double[3]){0, 0, 0});
+        memset(u->arm.log.shift[g].p, 0, sizeof u->arm.log.shift[g].p);
     }
     if (u->free_tool) u->target = s->target;
     assert_true(mukca_unknowns_clone(&moved, &m.pool, u));
@@ -129,7 +129,7 @@ static void check_diagnosis(const scene *s, mukca_random *random, double offset)
             difference(slope, side, h);
             memcpy(in_base, slope, sizeof slope);
             for (int part = 0; part < 6 && u->free_base; part += 3)
-                mukca_mat3_tvec(in_base + part, u->log.tracker[m.recording.log[row]].R,
+                mukca_mat3_tvec(in_base + part, u->arm.log.tracker[m.recording.log[row]].R,
                                 slope + part);
             for (int c = 0; c < d; c++)
                 assert_close(m.linear.columns[(d * i + c) * m.linear.stride + k],
