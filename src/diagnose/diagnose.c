@@ -189,10 +189,7 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
         status = mukca_logs_compare(&diagnosis->logs, &recording_options, chain, data, error);
     if (status == MUKCA_OK)
         status = mukca_regression_create(m, chain, data, &recording_options, error);
-    if (status != MUKCA_OK) {
-        mukca_diagnosis_free(diagnosis);
-        return status;
-    }
+    if (status != MUKCA_OK) goto out;
     mukca_streams_compare(&diagnosis->streams, &m->recording);
     status = mukca_streams_fit(&diagnosis->streams, &recording_options, chain, data, error);
     if (status != MUKCA_OK) goto out;

@@ -325,7 +325,6 @@ mukca_status mukca_identify_run(mukca_search *id, mukca_error *error)
 mukca_status mukca_identify_with_tails(mukca_search *id, mukca_error *error)
 {
     mukca_causes best = {0}; /* causes that only explain large errors are not to persist */
-    if (!id->tails) return MUKCA_OK;
     MUKCA_TRY(search_all(id, &best, id->tails, error));
     return average(id, error);
 }

@@ -54,8 +54,7 @@ typedef struct {
  * MUKCA_MEMORY, MUKCA_INTERRUPTED. */
 mukca_status mukca_identify_run(mukca_search *id, mukca_error *error);
 
-/* The same with Student's noise, from the empty set, if id->tails is not NULL.  Errors: as above.
- */
+/* The same with Student's noise id->tails, not NULL, from the empty set.  Errors: as above. */
 mukca_status mukca_identify_with_tails(mukca_search *id, mukca_error *error);
 
 /* The same among the candidates kept that are in the catalogue, from those of the best set; from

@@ -118,6 +118,14 @@ int mukca_unknowns_capacity(const mukca_unknowns *u)
     return u->n_geometry + MUKCA_SET_COLUMNS;
 }
 
+/* frame := frame * local(t); `turns`: t includes a rotation vector. */
+static void move(mukca_frame *frame, const double *t, bool turns)
+{
+    mukca_frame local = {MUKCA_IDENTITY, {t[0], t[1], t[2]}};
+    if (turns) mukca_rotation_exp(local.R, t + 3);
+    mukca_frame_multiply(frame, frame, &local);
+}
+
 void mukca_unknowns_set_geometry(mukca_unknowns *u, const mukca_chain *chain)
 {
     mukca_geometry_set(&u->arm.geometry, chain, NULL);
@@ -125,21 +133,16 @@ void mukca_unknowns_set_geometry(mukca_unknowns *u, const mukca_chain *chain)
     for (int k = 0; k < chain->n_elements; k++)
         for (int c = 0; c < 3; c++) u->arm.geometry.origin[k].p[c] *= factor;
     for (int k = 0; k < u->n_slots; k++) {
-        const double *t = u->theta + 6 * k;
-        mukca_frame local = {MUKCA_IDENTITY, {t[0], t[1], t[2]}};
-        if (k + 1 < u->n_slots || u->slot_width == 6) mukca_rotation_exp(local.R, t + 3);
         mukca_frame *origin = &u->arm.geometry.origin[u->slot_element[k]];
         if (u->free_tool && k + 1 == u->n_slots) mukca_frame_multiply(origin, origin, &u->target);
-        mukca_frame_multiply(origin, origin, &local);
+        move(origin, u->theta + 6 * k, k + 1 < u->n_slots || u->slot_width == 6);
     }
 }
 
-/* frame := frame * local(t), t := 0; `turns`: t includes a rotation vector. */
+/* The same, and t := 0. */
 static void fold(mukca_frame *frame, double *t, bool turns)
 {
-    mukca_frame local = {MUKCA_IDENTITY, {t[0], t[1], t[2]}};
-    if (turns) mukca_rotation_exp(local.R, t + 3);
-    mukca_frame_multiply(frame, frame, &local);
+    move(frame, t, turns);
     memset(t, 0, (turns ? 6 : 3) * sizeof *t);
 }
 

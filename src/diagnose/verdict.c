@@ -12,13 +12,11 @@
 
 static void add_outlier(mukca_diagnosis *d, const mukca_regression *m, const mukca_accepted *cause)
 {
-    const double size = sqrt(mukca_dot3(cause->coefficient, cause->coefficient));
+    const mukca_candidate *h = &cause->candidate;
+    const double size = mukca_norm3(cause->coefficient);
+    const int last = h->fault.shape == MUKCA_FAULT_FADING ? h->fault.first : h->fault.last;
     if (size > OUTLIER_SIGMAS * m->unknowns.sigma)
-        for (int row = cause->candidate.fault.first;
-             row <= (cause->candidate.fault.shape == MUKCA_FAULT_FADING
-                         ? cause->candidate.fault.first
-                         : cause->candidate.fault.last);
-             row++)
+        for (int row = h->fault.first; row <= last; row++)
             mukca_screening_add(d, &m->recording, MUKCA_FAULT_OUTLIER, row, size);
 }
 
