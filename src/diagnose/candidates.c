@@ -137,11 +137,6 @@ mukca_status mukca_candidates_list(mukca_candidates *all, const mukca_unknowns *
     all->list = list;
     set_priors(all);
     add_sag_evidence(all);
-    for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++)
-        if (!all->enabled[kind])
-            all->missing[kind] = all->disabled && all->disabled[kind]
-                                     ? "excluded on request"
-                                     : mukca_effect_missing((mukca_effect_kind)kind, &all->survey);
     return MUKCA_OK;
 }
 

@@ -10,11 +10,10 @@ typedef struct {
     int count, capacity;
     mukca_pool *pool; /* of the list; check `failed` */
     const mukca_recording *recording;
-    const unsigned char *disabled;      /* [MUKCA_EFFECT_COUNT] excluded effects, or NULL */
-    mukca_effect_survey survey;         /* of the recording */
-    int classes;                        /* number of competing classes */
-    bool enabled[MUKCA_CLASSES];        /* classes in the competition */
-    const char *missing[MUKCA_CLASSES]; /* reason why a class has no candidate, or NULL */
+    const unsigned char *disabled; /* [MUKCA_EFFECT_COUNT] excluded effects, or NULL */
+    mukca_effect_survey survey;    /* of the recording */
+    int classes;                   /* number of competing classes */
+    bool enabled[MUKCA_CLASSES];   /* classes in the competition */
 } mukca_candidates;
 
 /* Begin with the effects of the catalogue.  Memory comes from `pool`; recording and disabled must

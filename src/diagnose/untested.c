@@ -44,7 +44,10 @@ static void add_missing(mukca_diagnosis *d, const mukca_candidates *all)
     for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++) {
         const bool turning = mukca_effect_table[kind]->site == MUKCA_SITE_ROTATION ||
                              mukca_effect_has(kind, MUKCA_TRAIT_PERIODIC);
-        const char *why = all->missing[kind];
+        const char *why = all->enabled[kind] ? NULL
+                          : all->disabled && all->disabled[kind]
+                              ? "excluded on request"
+                              : mukca_effect_missing((mukca_effect_kind)kind, survey);
         if (why) add(d, kind, -1, NAN, why);
         for (int j = 0; !why && mukca_effect_has_joint(kind) && j < survey->n_joints; j++)
             if ((survey->joint[j].turns || !turning) && find(d, kind, j) == d->n_tested)
