@@ -108,14 +108,6 @@ static bool is_elastic(const mukca_candidate *h)
            mukca_effect_has((int)h->effect.kind, MUKCA_TRAIT_ELASTIC);
 }
 
-/* Prior sizes of a class other than the unknown functions. */
-static const mukca_effect_sizes *sizes_of(int class)
-{
-    const mukca_effect_sizes *sizes =
-        class < MUKCA_EFFECT_COUNT ? mukca_effect_catalogue[class]->sizes : &mukca_sizes_socket;
-    return sizes ? sizes : &mukca_sizes_angle;
-}
-
 mukca_mixture mukca_candidate_mixture(const mukca_candidate *h)
 {
     /* Rms of an unknown function of a joint, rad: arms often show 0.1 mrad, hardly ever 10. */
@@ -133,7 +125,11 @@ mukca_mixture mukca_candidate_mixture(const mukca_candidate *h)
             total += prior.log_weight[n] = frequency[n];
         }
     } else {
-        const mukca_effect_sizes *sizes = spring ? &mukca_sizes_spring : sizes_of(class);
+        const mukca_effect_sizes *sizes = spring ? &mukca_sizes_spring
+                                          : class < MUKCA_EFFECT_COUNT
+                                              ? mukca_effect_catalogue[class]->sizes
+                                              : &mukca_sizes_socket;
+        if (!sizes) sizes = &mukca_sizes_angle;
         const double unit =
             mukca_candidate_site(h) == MUKCA_SITE_ANGLES ? 1 : h->unit[0]; /* see sizes */
         for (int i = 0; i < MUKCA_MAX_SIZES && sizes->sigma[i] > 0; i++) {

@@ -128,14 +128,6 @@ double mukca_noise_choose(mukca_evidence *evidence, const mukca_normal_equations
     return exp(x);
 }
 
-/* Can a family of the noise be more probable than one with the log evidence `best`, given the last
- * comparison? */
-static bool contends(const mukca_evidence *evidence, int index, double best)
-{
-    /* the other coefficient may have gained as much as the best one has changed */
-    return evidence->normal[index].behind - fabs(best - evidence->best) <= NEGLIGIBLE;
-}
-
 static void choose_cause(mukca_accepted *cause, mukca_regression *m,
                          const mukca_normal_equations *normal)
 {
@@ -193,7 +185,9 @@ static mukca_normal_equations *choose_noise(mukca_regression *m, mukca_fit_freed
     for (int k = 0; k < noises; k++) {
         const int i = (present + k) % noises;
         const bool open = freedom == MUKCA_FIT_ALL || !(mukca_evidence_family(evidence, i).rho > 0);
-        if (!open || (chosen && !contends(evidence, i, best))) {
+        /* since the last comparison, it may have gained as much as the best one has changed */
+        const double behind = evidence->normal[i].behind - fabs(best - evidence->best);
+        if (!open || (chosen && !(behind <= NEGLIGIBLE))) {
             all = false;
             continue;
         }

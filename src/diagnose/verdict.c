@@ -126,17 +126,6 @@ static void list_sets(mukca_diagnosis *d, const mukca_search *id)
     }
 }
 
-static void part_suspected(mukca_diagnosis *d)
-{
-    const int n = d->n_causes;
-    d->n_causes = 0;
-    for (int c = 0; c < n; c++)
-        if (d->causes[c].suspected)
-            d->suspected[d->n_suspected++] = d->causes[c];
-        else
-            d->causes[d->n_causes++] = d->causes[c];
-}
-
 mukca_verdict mukca_verdict_of(const mukca_diagnosis *d, double any, double outside)
 {
     double named = 0;
@@ -182,7 +171,13 @@ static void list_causes(mukca_diagnosis *d, mukca_search *id, const mukca_causes
                                 cause->amplitude);
     }
     qsort(d->causes, (size_t)d->n_causes, sizeof *d->causes, by_evidence);
-    part_suspected(d);
+    const int n = d->n_causes;
+    d->n_causes = 0;
+    for (int c = 0; c < n; c++)
+        if (d->causes[c].suspected)
+            d->suspected[d->n_suspected++] = d->causes[c];
+        else
+            d->causes[d->n_causes++] = d->causes[c];
 }
 
 void mukca_verdict_reach(mukca_diagnosis *d, mukca_search *id)

@@ -291,12 +291,6 @@ static double support(const mukca_finding_group *g, int n_halves)
     return (0.5 + n_halves * g->halves) / (1 + n_halves * (g->halves + g->against));
 }
 
-/* What is no finding is as probable as the whole and its halves say on average. */
-static double discounted(const mukca_finding_group *g)
-{
-    return 0.5 * (g->probability + (isnan(g->halves) ? 0.5 : g->halves));
-}
-
 /* Do n chosen groups have some of a group's causes? */
 static bool shares(const mukca_finding_group *g, const mukca_finding_group *chosen, int n,
                    const mukca_labelled_sets *p)
@@ -356,7 +350,8 @@ static int take(mukca_finding_group *out, int n, const groups *all, bool sure)
         }
         if (sure && !is_sure(&g, all)) continue;
         if (shared && !is_larger(&g, out, n, all->posterior)) continue;
-        if (!sure) g.probability = discounted(&g);
+        /* what is no finding is as probable as the whole and its halves say on average */
+        if (!sure) g.probability = 0.5 * (g.probability + (isnan(g.halves) ? 0.5 : g.halves));
         if (g.probability >= MUKCA_FINDING_MAYBE) out[n++] = g;
     }
     return n;

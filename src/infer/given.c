@@ -173,15 +173,15 @@ static int padded(const mukca_sets *s)
 
 void mukca_given_invert(mukca_sets *s)
 {
-    const int n = s->integrated.posterior.n, ld = padded(s);
+    const mukca_posterior *p = &s->integrated.posterior;
+    const int n = p->n, ld = padded(s);
     double *T = s->integrated.inverse;
     memset(T, 0, sizeof *T * (size_t)(n * ld));
     for (int i = 0; i < n; i++) T[i * ld + i] = 1;
     for (int k = 0; k < n; k += 8) /* above their own rows the columns are 0 */
-        mukca_dense_forward_part(T + k * ld + k, ld, s->integrated.posterior.factor + k * n + k, n,
-                                 n - k);
-    memcpy(s->integrated.x, s->integrated.posterior.work, sizeof *T * (size_t)n);
-    mukca_dense_backward(s->integrated.x, 1, s->integrated.posterior.factor, n);
+        mukca_dense_forward_part(T + k * ld + k, ld, p->factor + k * n + k, n, n - k);
+    memcpy(s->integrated.x, p->work, sizeof *T * (size_t)n);
+    mukca_dense_backward(s->integrated.x, 1, p->factor, n);
 }
 
 mukca_columns mukca_given_inverse_of(const mukca_sets *s, int member, int terms)
@@ -213,20 +213,18 @@ static void condition_stripe(void *context, int stripe, int worker)
     const conditioning *c = context;
     mukca_sets *s = c->sets;
     const mukca_question *q = s->question;
+    const mukca_posterior *p = &s->integrated.posterior;
     const int from = stripe * STRIPE, n = width_of(q, stripe);
     double *B = s->integrated.B + from, *g = s->g + from;
     (void)worker;
     for (int m = 0, row = 0; m < c->set->n; m++) {
         const double *G = s->gram[c->set->item[m]] + from;
         for (int t = 0; t < q->item[c->set->item[m]].terms; t++, row++, G += q->stride)
-            for (int k = 0; k < n; k++)
-                B[row * q->stride + k] = s->integrated.posterior.prior[row] * G[k];
+            for (int k = 0; k < n; k++) B[row * q->stride + k] = p->prior[row] * G[k];
     }
-    mukca_dense_forward8(B, n, q->stride, s->integrated.posterior.factor,
-                         s->integrated.posterior.n);
+    mukca_dense_forward8(B, n, q->stride, p->factor, p->n);
     memset(g, 0, sizeof *g * (size_t)n);
-    mukca_dense_xty(g, (mukca_columns){s->integrated.posterior.work, 1, 1},
-                    (mukca_columns){B, n, q->stride}, s->integrated.posterior.n);
+    mukca_dense_xty(g, (mukca_columns){p->work, 1, 1}, (mukca_columns){B, n, q->stride}, p->n);
     for (int k = 0; k < n && from + k < q->n_columns; k++) g[k] = q->g[from + k] - g[k];
 }
 
@@ -255,14 +253,14 @@ bool mukca_given_condition(mukca_sets *s, const mukca_set *set)
 
 void mukca_sets_mean(double *mean, mukca_sets *s, const mukca_set *set)
 {
+    const mukca_posterior *p = &s->integrated.posterior;
     memset(mean, 0, sizeof *mean * (size_t)s->question->stride);
     if (!mukca_given_integrate(s, set)) return;
-    mukca_dense_backward(s->integrated.posterior.work, 1, s->integrated.posterior.factor,
-                         s->integrated.posterior.n);
-    for (int m = 0, row = 0; m < set->n; m++)
-        for (int t = 0; t < s->question->item[set->item[m]].terms; t++, row++)
-            mean[s->question->item[set->item[m]].at + t] =
-                s->integrated.posterior.prior[row] * s->integrated.posterior.work[row];
+    mukca_dense_backward(p->work, 1, p->factor, p->n);
+    for (int m = 0, row = 0; m < set->n; m++) {
+        const mukca_item *h = &s->question->item[set->item[m]];
+        for (int t = 0; t < h->terms; t++, row++) mean[h->at + t] = p->prior[row] * p->work[row];
+    }
 }
 
 void mukca_sets_products(double *product, double *mean, mukca_sets *s, const mukca_set *set)

@@ -102,19 +102,19 @@ int mukca_set_largest(const double *x, int n)
 /* Log probability of the signs of all nonnegative items of the set integrated out. */
 static double weigh_signs(mukca_sets *s, const mukca_set *set)
 {
+    const mukca_posterior *p = &s->integrated.posterior;
     double sum = 0, first[MUKCA_SET_COLUMNS];
     for (int m = 0, row = 0; m < set->n; row += s->question->item[set->item[m++]].terms) {
         double mean = 0, variance = 0;
         if (!s->question->item[set->item[m]].prior.nonnegative) continue;
-        memset(first, 0, sizeof *first * (size_t)s->integrated.posterior.n);
+        memset(first, 0, sizeof *first * (size_t)p->n);
         first[row] = 1;
-        mukca_dense_forward(first, 1, s->integrated.posterior.factor, s->integrated.posterior.n);
-        for (int i = row; i < s->integrated.posterior.n; i++) {
-            mean += first[i] * s->integrated.posterior.work[i];
+        mukca_dense_forward(first, 1, p->factor, p->n);
+        for (int i = row; i < p->n; i++) {
+            mean += first[i] * p->work[i];
             variance += first[i] * first[i];
         }
-        sum += mukca_mixture_positive(mean, variance, s->integrated.posterior.quadratic,
-                                      s->question->dof);
+        sum += mukca_mixture_positive(mean, variance, p->quadratic, s->question->dof);
     }
     return sum;
 }
