@@ -32,14 +32,14 @@ static int number_labels(mukca_label *label, int n, int *label_of, const mukca_s
 }
 
 /* A set with labels: its members that are no outliers. */
-static bool label_set(mukca_labelled_set *out, mukca_pool *pool, double *scratch, mukca_sets *sets,
+static void label_set(mukca_labelled_set *out, mukca_pool *pool, double *scratch, mukca_sets *sets,
                       const mukca_set *set, const int *label_of)
 {
     double all[MUKCA_SET_ITEMS * MUKCA_SET_ITEMS];
     unsigned short *label = MUKCA_TAKE(pool, unsigned short, set->n + 1);
     double *product = MUKCA_TAKE(pool, double, set->n * set->n + 1);
     int member[MUKCA_SET_ITEMS], n = 0;
-    if (pool->failed) return false;
+    if (pool->failed) return;
     mukca_sets_products(all, scratch, sets, set);
     for (int i = 0; i < set->n; i++)
         if (label_of[set->item[i]] >= 0) member[n++] = i;
@@ -50,7 +50,6 @@ static bool label_set(mukca_labelled_set *out, mukca_pool *pool, double *scratch
     out->n = n;
     out->label = label;
     out->product = product;
-    return true;
 }
 
 typedef struct {
@@ -61,50 +60,19 @@ typedef struct {
     double left_out;
 } weighted;
 
-static bool label_posterior(mukca_labelled_sets *out, mukca_pool *pool, const weighted *w)
+/* The sets with labels, and their weights; the caller checks the pool. */
+static void label_posterior(mukca_labelled_sets *out, mukca_pool *pool, const weighted *w)
 {
     mukca_labelled_set *set = MUKCA_TAKE(pool, mukca_labelled_set, MOST_SETS);
     double *scratch = MUKCA_TAKE(pool, double, w->sets->question->stride + 1), sum = 0;
     for (int i = 0; i < w->n && i < MOST_SETS && sum < 1 - w->left_out && !pool->failed; i++) {
         set[i].weight = w->list[i].odds;
         sum += set[i].weight;
-        if (!label_set(&set[i], pool, scratch, w->sets, &w->sets->set[w->list[i].index],
-                       w->label_of))
-            return false;
+        label_set(&set[i], pool, scratch, w->sets, &w->sets->set[w->list[i].index], w->label_of);
         out->n_sets = i + 1;
     }
     for (int i = 0; i < out->n_sets; i++) set[i].weight /= sum; /* the others alike */
     out->set = set;
-    return !pool->failed;
-}
-
-/* The posterior of the whole. */
-static bool label_whole(mukca_labelled_sets *out, mukca_pool *pool, mukca_search *id,
-                        const int *label_of)
-{
-    mukca_ranked *list = MUKCA_TAKE(pool, mukca_ranked, id->n_sets + 1);
-    for (int i = 0; i < id->n_sets && list; i++)
-        list[i] = (mukca_ranked){id->set[i].weight, id->set[i].index};
-    return list &&
-           label_posterior(out, pool, &(weighted){&id->sets, label_of, list, id->n_sets, LEFT_OUT});
-}
-
-/* The posterior of a half: of the sets that its search met. */
-static bool label_half(mukca_labelled_sets *out, mukca_pool *pool, mukca_half *half,
-                       const int *label_of)
-{
-    mukca_sets *sets = &half->sets;
-    mukca_ranked *order = MUKCA_TAKE(pool, mukca_ranked, sets->n_sets);
-    double *value = MUKCA_TAKE(pool, double, sets->n_sets);
-    int n = 0;
-    if (pool->failed) return false;
-    for (int k = 0; k < sets->n_sets; k++) order[k] = (mukca_ranked){sets->set[k].value, k};
-    qsort(order, (size_t)sets->n_sets, sizeof *order, mukca_by_odds);
-    for (; n < sets->n_sets && n < MOST_SETS && order[n].odds > order[0].odds - WINDOW; n++)
-        value[n] = order[n].odds;
-    const double sum = mukca_stats_log_sum_exp(value, n);
-    for (int k = 0; k < n; k++) order[k].odds = exp(value[k] - sum);
-    return label_posterior(out, pool, &(weighted){sets, label_of, order, n, LEFT_OUT_OF_HALVES});
 }
 
 MUKCA_FALLING(by_size, mukca_finding, size_m.value)
@@ -115,27 +83,24 @@ typedef struct {
     const int *label_of;      /* [halves->n_items] */
 } labelling;
 
-static void label_one(void *context, int half, int worker)
+/* The posterior of a half: of the sets that its search met. */
+static void label_half(void *context, int half, int worker)
 {
     const labelling *job = context;
-    label_half(&job->out[half], &job->halves->pool[worker], &job->halves->half[half],
-               job->label_of);
-}
-
-/* Search the halves and label their sets. */
-static mukca_status label_halves(mukca_labelled_sets out[MUKCA_HALVES], mukca_halves *halves,
-                                 mukca_pool *pool, mukca_search *id, const int *label_of,
-                                 mukca_error *error)
-{
-    int *label = MUKCA_TAKE(pool, int, id->n_kept + 1);
-    if (pool->failed) return MUKCA_OK; /* the caller checks */
-    mukca_status status = mukca_halves_search(halves, pool, id, error);
-    for (int i = 0; i < halves->n_items; i++) label[i] = label_of[halves->item_of[i]];
-    if (status == MUKCA_OK)
-        mukca_workers_run(id->m->recording.workers, halves->n, label_one,
-                          &(labelling){halves, out, label});
-    for (int k = 0; k < MUKCA_MOST_WORKERS; k++) pool->failed |= halves->pool[k].failed;
-    return status;
+    mukca_pool *pool = &job->halves->pool[worker];
+    mukca_sets *sets = &job->halves->half[half].sets;
+    mukca_ranked *order = MUKCA_TAKE(pool, mukca_ranked, sets->n_sets);
+    double *value = MUKCA_TAKE(pool, double, sets->n_sets);
+    int n = 0;
+    if (pool->failed) return;
+    for (int k = 0; k < sets->n_sets; k++) order[k] = (mukca_ranked){sets->set[k].value, k};
+    qsort(order, (size_t)sets->n_sets, sizeof *order, mukca_by_odds);
+    for (; n < sets->n_sets && n < MOST_SETS && order[n].odds > order[0].odds - WINDOW; n++)
+        value[n] = order[n].odds;
+    const double sum = mukca_stats_log_sum_exp(value, n);
+    for (int k = 0; k < n; k++) order[k].odds = exp(value[k] - sum);
+    label_posterior(&job->out[half], pool,
+                    &(weighted){sets, job->label_of, order, n, LEFT_OUT_OF_HALVES});
 }
 
 static mukca_status no_memory(mukca_error *error)
@@ -143,30 +108,43 @@ static mukca_status no_memory(mukca_error *error)
     return mukca_fail(error, MUKCA_MEMORY, "out of memory for the findings");
 }
 
-/* Posteriors of halves of the data, under the noise of the last search. */
-typedef struct {
-    mukca_halves *halves;
-    mukca_labelled_sets half[MUKCA_HALVES];
-} half_posteriors;
+/* Search the halves, under the noise of the last search, and label their sets as the whole. */
+static mukca_status label_halves(mukca_labelled_sets out[MUKCA_HALVES], mukca_halves *halves,
+                                 mukca_pool *pool, mukca_search *id,
+                                 const mukca_labelled_search *whole, mukca_error *error)
+{
+    int *label = MUKCA_TAKE(pool, int, id->n_kept + 1);
+    if (pool->failed) return no_memory(error);
+    for (int h = 0; h < MUKCA_HALVES; h++) {
+        out[h] = whole->posterior;
+        out[h].n_sets = 0;
+    }
+    MUKCA_TRY(mukca_halves_search(halves, pool, id, error));
+    for (int i = 0; i < halves->n_items; i++) label[i] = whole->label_of[halves->item_of[i]];
+    mukca_workers_run(id->m->recording.workers, halves->n, label_half,
+                      &(labelling){halves, out, label});
+    for (int k = 0; k < MUKCA_MOST_WORKERS; k++) pool->failed |= halves->pool[k].failed;
+    return MUKCA_OK;
+}
 
-/* The last search with labels, and its halves (NULL: none).  Labels of a search before it, in
- * *whole, keep their numbers: the halves are of the first one. */
-static mukca_status label_search(mukca_labelled_search *whole, half_posteriors *parts,
-                                 mukca_pool *pool, mukca_search *id, mukca_error *error)
+/* The last search with labels.  Those of a search before it, in *whole, keep their numbers: the
+ * halves are of the first one. */
+static mukca_status label_search(mukca_labelled_search *whole, mukca_pool *pool, mukca_search *id,
+                                 mukca_error *error)
 {
     const mukca_labelled_sets before = whole->posterior;
     mukca_label *label = MUKCA_TAKE(pool, mukca_label, before.n_labels + id->n_kept + 1);
+    mukca_ranked *list = MUKCA_TAKE(pool, mukca_ranked, id->n_sets + 1);
     *whole = (mukca_labelled_search){.posterior = {.label = label, .least = MUKCA_FINDING_SQUARE},
                                      .label_of = MUKCA_TAKE(pool, int, id->n_kept + 1)};
     if (pool->failed) return no_memory(error);
     for (int i = 0; i < before.n_labels; i++) label[i] = before.label[i];
     whole->posterior.n_labels = number_labels(label, before.n_labels, whole->label_of, id);
-    for (int h = 0; h < MUKCA_HALVES && parts; h++) parts->half[h] = whole->posterior;
-    if (!label_whole(&whole->posterior, pool, id, whole->label_of)) return no_memory(error);
-    if (!parts) return MUKCA_OK;
-    parts->halves = MUKCA_TAKE(pool, mukca_halves, 1);
-    if (pool->failed) return no_memory(error);
-    return label_halves(parts->half, parts->halves, pool, id, whole->label_of, error);
+    for (int i = 0; i < id->n_sets; i++)
+        list[i] = (mukca_ranked){id->set[i].weight, id->set[i].index};
+    label_posterior(&whole->posterior, pool,
+                    &(weighted){&id->sets, whole->label_of, list, id->n_sets, LEFT_OUT});
+    return pool->failed ? no_memory(error) : MUKCA_OK;
 }
 
 mukca_status mukca_findings_reach(mukca_diagnosis *d, mukca_search *id, mukca_error *error)
@@ -174,16 +152,17 @@ mukca_status mukca_findings_reach(mukca_diagnosis *d, mukca_search *id, mukca_er
     mukca_pool pool = {0};
     mukca_finding_group *group = MUKCA_TAKE(&d->pool, mukca_finding_group, 2 * MUKCA_MOST_FINDINGS);
     mukca_labelled_search whole = {0};
-    half_posteriors parts = {0};
+    mukca_labelled_sets half[MUKCA_HALVES];
+    mukca_halves *halves = MUKCA_TAKE(&pool, mukca_halves, 1);
     int n_findings = 0, n = -1;
-    mukca_status status = label_search(&whole, &parts, &pool, id, error);
+    mukca_status status = label_search(&whole, &pool, id, error);
+    if (status == MUKCA_OK) status = label_halves(half, halves, &pool, id, &whole, error);
     if (status == MUKCA_OK && id->tails) {
         status = mukca_identify_with_tails(id, error);
-        if (status == MUKCA_OK) status = label_search(&whole, NULL, &pool, id, error);
+        if (status == MUKCA_OK) status = label_search(&whole, &pool, id, error);
     }
-    if (status == MUKCA_OK && parts.halves && group && !pool.failed)
-        n = mukca_findings_choose(group, &n_findings, &pool, &whole.posterior, parts.half,
-                                  parts.halves->n);
+    if (status == MUKCA_OK && group && !pool.failed)
+        n = mukca_findings_choose(group, &n_findings, &pool, &whole.posterior, half, halves->n);
     for (int i = 0; i < n; i++) {
         mukca_finding *f = i < n_findings ? &d->findings[d->n_findings++] : &d->maybe[d->n_maybe++];
         *f = (mukca_finding){.group = group[i], .held_out = MUKCA_SHRINK_NONE};
@@ -191,7 +170,7 @@ mukca_status mukca_findings_reach(mukca_diagnosis *d, mukca_search *id, mukca_er
     if (status == MUKCA_OK && n >= 0 && !mukca_findings_measure(d, id, &whole)) n = -1;
     qsort(d->findings, (size_t)d->n_findings, sizeof *d->findings, by_size);
     qsort(d->maybe, (size_t)d->n_maybe, sizeof *d->maybe, by_size);
-    if (parts.halves) mukca_halves_free(parts.halves);
+    if (halves) mukca_halves_free(halves);
     mukca_pool_free(&pool);
     return status == MUKCA_OK && n < 0 ? no_memory(error) : status;
 }
