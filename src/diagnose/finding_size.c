@@ -331,41 +331,41 @@ static bool make_plain(measured *w, mukca_pool *pool, int n_sets)
            mukca_sets_create(&w->plain_sets, pool, &w->plain);
 }
 
-bool mukca_findings_measure(mukca_diagnosis *d, mukca_search *id, const mukca_labelled_search *in)
+bool mukca_findings_measure(mukca_diagnosis *d, mukca_pool *pool, mukca_search *id,
+                            const mukca_labelled_search *in)
 {
-    mukca_pool pool = {0};
     const mukca_labelled_sets *p = &in->posterior;
     const int all = d->n_findings + d->n_maybe, square = MUKCA_SET_COLUMNS * MUKCA_SET_COLUMNS;
     if (!all) return true;
     measured w = {.id = id,
                   .in = in,
-                  .V = MUKCA_TAKE(&pool, double, square),
-                  .G = MUKCA_TAKE(&pool, double, square),
-                  .product = MUKCA_TAKE(&pool, double, 3 * square)};
-    tables t = {.probability = MUKCA_TAKE(&pool, double, p->n_labels + 1),
-                .best = MUKCA_TAKE(&pool, double, id->n_kept + 1),
-                .scratch = MUKCA_TAKE(&pool, double, id->question.stride + 1),
-                .item = MUKCA_TAKE(&pool, int, p->n_labels + 1),
-                .size = MUKCA_TAKE(&pool, mukca_gaussians, all + 1),
-                .coefficient = MUKCA_TAKE(&pool, mukca_gaussians, all + 1),
-                .amplitude = MUKCA_TAKE(&pool, mukca_gaussians, p->n_labels + 1)};
-    bool ok = !pool.failed;
+                  .V = MUKCA_TAKE(pool, double, square),
+                  .G = MUKCA_TAKE(pool, double, square),
+                  .product = MUKCA_TAKE(pool, double, 3 * square)};
+    tables t = {.probability = MUKCA_TAKE(pool, double, p->n_labels + 1),
+                .best = MUKCA_TAKE(pool, double, id->n_kept + 1),
+                .scratch = MUKCA_TAKE(pool, double, id->question.stride + 1),
+                .item = MUKCA_TAKE(pool, int, p->n_labels + 1),
+                .size = MUKCA_TAKE(pool, mukca_gaussians, all + 1),
+                .coefficient = MUKCA_TAKE(pool, mukca_gaussians, all + 1),
+                .amplitude = MUKCA_TAKE(pool, mukca_gaussians, p->n_labels + 1)};
     double sum = 0;
     int n_sets = 0;
+    if (pool->failed) return false;
     while (n_sets < p->n_sets && n_sets < MUKCA_MOST_GAUSSIANS && sum < AVERAGED)
         sum += p->set[n_sets++].weight;
-    for (int l = 0; l < p->n_labels && ok; l++) t.item[l] = -1;
-    if (ok) weigh_labels(t.probability, t.item, t.best, &w);
-    ok = ok && make_plain(&w, &pool, n_sets);
-    for (int l = 0; l < p->n_labels && ok; l++)
+    for (int l = 0; l < p->n_labels; l++) t.item[l] = -1;
+    weigh_labels(t.probability, t.item, t.best, &w);
+    if (!make_plain(&w, pool, n_sets)) return false;
+    for (int l = 0; l < p->n_labels; l++)
         if (t.item[l] >= 0 && w.plain_of[t.item[l]] < 0) t.item[l] = -1;
-    for (int s = 0; s < n_sets && ok; s++) {
-        ok = take_set(&w, &id->sets.set[id->set[s].index], t.scratch);
-        if (ok) add_all(&w, &t, d, p->set[s].weight);
+    for (int s = 0; s < n_sets; s++) {
+        if (!take_set(&w, &id->sets.set[id->set[s].index], t.scratch)) return false;
+        add_all(&w, &t, d, p->set[s].weight);
     }
     const double scale = id->m->unknowns.sigma / sqrt(id->m->recording.n_samples);
-    if (ok) d->caused_m = mukca_gaussians_estimate(&t.size[all], scale, true).value;
-    for (int i = 0; i < all && ok; i++) {
+    d->caused_m = mukca_gaussians_estimate(&t.size[all], scale, true).value;
+    for (int i = 0; i < all; i++) {
         mukca_finding *f = finding_at(d, i);
         describe(f, &w, &t);
         f->size_m = mukca_gaussians_estimate(&t.size[i], scale, true);
@@ -375,6 +375,5 @@ bool mukca_findings_measure(mukca_diagnosis *d, mukca_search *id, const mukca_la
         const int item = quantity_of(f, &w, &t);
         if (item >= 0) f->quantity = mukca_candidate_effect(&id->all.list[id->kept[item]]);
     }
-    mukca_pool_free(&pool);
-    return ok;
+    return true;
 }

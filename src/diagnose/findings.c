@@ -167,7 +167,7 @@ mukca_status mukca_findings_reach(mukca_diagnosis *d, mukca_search *id, mukca_er
         mukca_finding *f = i < n_findings ? &d->findings[d->n_findings++] : &d->maybe[d->n_maybe++];
         *f = (mukca_finding){.group = group[i], .held_out = MUKCA_SHRINK_NONE};
     }
-    if (status == MUKCA_OK && n >= 0 && !mukca_findings_measure(d, id, &whole)) n = -1;
+    if (status == MUKCA_OK && n >= 0 && !mukca_findings_measure(d, &pool, id, &whole)) n = -1;
     qsort(d->findings, (size_t)d->n_findings, sizeof *d->findings, by_size);
     qsort(d->maybe, (size_t)d->n_maybe, sizeof *d->maybe, by_size);
     if (halves) mukca_halves_free(halves);

@@ -23,7 +23,8 @@ typedef struct {
 mukca_status mukca_findings_reach(mukca_diagnosis *d, mukca_search *id, mukca_error *error);
 
 /* Sizes, coefficients and alternatives of all groups (finding_size.c).  Changes what the scan is
- * aimed at.  False: no memory. */
-bool mukca_findings_measure(mukca_diagnosis *d, mukca_search *id, const mukca_labelled_search *in);
+ * aimed at.  Scratch comes from `pool`.  False: no memory. */
+bool mukca_findings_measure(mukca_diagnosis *d, mukca_pool *pool, mukca_search *id,
+                            const mukca_labelled_search *in);
 
 #endif
