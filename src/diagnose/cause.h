@@ -45,9 +45,9 @@ void mukca_verdict_reach(mukca_diagnosis *d, mukca_search *id);
  * they are.  Errors: MUKCA_MEMORY, MUKCA_INTERRUPTED. */
 mukca_status mukca_averaged_fit(mukca_regression *m, mukca_search *id, mukca_error *error);
 
-/* List every effect and joint: candidates with their scores of the first scan, the others with the
- * reason why they are not testable. */
-void mukca_untested_list(mukca_diagnosis *d, const mukca_search *id);
+/* List every effect and joint: candidates with their scores of the scan, the others with the reason
+ * why they are not testable. */
+void mukca_untested_list(mukca_diagnosis *d, const mukca_scan *scan);
 
 /* List all effects as not testable, for this reason. */
 void mukca_untested_all(mukca_diagnosis *d, const char *why);

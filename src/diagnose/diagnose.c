@@ -89,7 +89,6 @@ static mukca_status identify(mukca_diagnosis *d, mukca_regression *m,
     d->shared = family->shared;
     if (status == MUKCA_OK && d->sigma_m < MUKCA_MOST_SIGMA) {
         mukca_verdict_reach(d, id);
-        mukca_untested_list(d, id);
         const bool none = d->verdict == MUKCA_VERDICT_UNKNOWN;
         if (d->unexplained || none) d->structure_m = mukca_held_out_structure(m);
         status = mukca_averaged_fit(m, id, error);

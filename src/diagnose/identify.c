@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "base/order.h"
+#include "diagnose/cause.h"
 #include "math/stats.h"
 
 enum {
@@ -148,8 +149,8 @@ static mukca_status no_memory(mukca_error *error)
     return mukca_fail(error, MUKCA_MEMORY, "out of memory for sets of causes");
 }
 
-/* A pass at the present linearisation: all candidates are scored beside the set found so far, but
- * for those of the catalogue alone, which have been. */
+/* A pass at the present linearisation: all candidates are scored beside the set found so far, at
+ * first alone, but for those of the catalogue alone, which have been. */
 static mukca_status pass(mukca_search *id, mukca_causes *best, bool last, mukca_error *error)
 {
     const bool first = !id->n_passed;
@@ -160,11 +161,7 @@ static mukca_status pass(mukca_search *id, mukca_causes *best, bool last, mukca_
                      : MUKCA_OK;
     MUKCA_TRY(mukca_scan_run(&id->scan, error));
     keep_best(id, first ? KEPT : KEPT_BESIDE);
-    if (first) {
-        id->n_first = id->all.count;
-        memcpy(id->first_value, id->scan.value, sizeof(double) * (size_t)id->n_first);
-        memcpy(id->first_information, id->scan.information, sizeof(double) * (size_t)id->n_first);
-    }
+    if (first) mukca_untested_list(id->diagnosis, &id->scan);
     return search(id, best, last) ? MUKCA_OK : no_memory(error);
 }
 
@@ -310,8 +307,6 @@ mukca_status mukca_identify_run(mukca_search *id, mukca_error *error)
     id->kept = MUKCA_TAKE(&id->pool, int, MOST_KEPT);
     id->ranked = MUKCA_TAKE(&id->pool, mukca_ranked, id->all.capacity);
     id->taken = MUKCA_TAKE(&id->pool, unsigned char, id->all.capacity);
-    id->first_value = MUKCA_TAKE(&id->pool, double, id->all.capacity);
-    id->first_information = MUKCA_TAKE(&id->pool, double, id->all.capacity);
     double *tails = MUKCA_TAKE(&id->pool, double, m->recording.data->n_rows);
     if (!mukca_scan_create(&id->scan, &id->pool, m, &id->all))
         return mukca_fail(error, MUKCA_MEMORY, "out of memory for the scan of %d candidates",

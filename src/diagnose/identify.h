@@ -42,10 +42,7 @@ typedef struct {
     bool settled;  /* the set of its linearisation was among the best, or passes alternate */
     int n_passed;
     mukca_causes passed[MUKCA_PASSES]; /* sets of the linearisations */
-    /* scores of each candidate alone */
-    int n_first;
-    double *first_value, *first_information;
-    mukca_ranked *ranked; /* scratch */
+    mukca_ranked *ranked;              /* scratch */
     unsigned char *taken;
     mukca_pool pool, search_pool; /* of all; of the last search */
 } mukca_search;

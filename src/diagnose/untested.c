@@ -55,21 +55,21 @@ static void add_missing(mukca_diagnosis *d, const mukca_candidates *all)
     }
 }
 
-void mukca_untested_list(mukca_diagnosis *d, const mukca_search *id)
+void mukca_untested_list(mukca_diagnosis *d, const mukca_scan *scan)
 {
     double most[MUKCA_MAX_TESTED] = {0}; /* information of the best member */
     d->n_tested = 0;
-    for (int i = 0; i < id->n_first; i++) { /* members of an effect at a joint together */
-        const mukca_candidate *h = &id->all.list[i];
+    for (int i = 0; i < scan->all->count; i++) { /* members of an effect at a joint together */
+        const mukca_candidate *h = &scan->all->list[i];
         const int class = mukca_candidate_class(h);
-        const double log_bayes = id->first_value[i], odds = log_bayes + h->log_prior;
+        const double log_bayes = scan->value[i], odds = log_bayes + h->log_prior;
         if (class >= MUKCA_EFFECT_COUNT || !(log_bayes > -HUGE_VAL)) continue;
         const int t = find(d, class, h->joint);
         if (t == d->n_tested) add(d, class, h->joint, -HUGE_VAL, NULL);
         if (t == d->n_tested) continue; /* no room */
         mukca_tested *entry = &d->tested[t];
         if (log_bayes > entry->log_bayes_factor)
-            entry->log_bayes_factor = log_bayes, most[t] = id->first_information[i];
+            entry->log_bayes_factor = log_bayes, most[t] = scan->information[i];
         const double hi = fmax(entry->log_odds, odds), lo = fmin(entry->log_odds, odds);
         entry->log_odds = lo > -HUGE_VAL ? hi + log1p(exp(lo - hi)) : hi;
     }
@@ -83,7 +83,7 @@ void mukca_untested_list(mukca_diagnosis *d, const mukca_search *id)
         entry->why = entry->testable ? NULL : mukca_effect_faint(entry->effect, entry->joint);
     }
     qsort(d->tested, (size_t)d->n_tested, sizeof *d->tested, by_odds);
-    add_missing(d, &id->all);
+    add_missing(d, scan->all);
 }
 
 void mukca_untested_all(mukca_diagnosis *d, const char *why)
