@@ -144,25 +144,6 @@ mukca_mixture mukca_candidate_mixture(const mukca_candidate *h)
     return prior;
 }
 
-int mukca_candidate_key(const mukca_candidate *h)
-{
-    const int class = mukca_candidate_class(h);
-    int at = h->joint + 1, place = 0; /* place: what distinguishes causes of a class at a joint */
-    if (mukca_candidate_is_fault(h)) {
-        at = h->fault.group, place = h->fault.first;
-    } else if (mukca_effect_has(class, MUKCA_TRAIT_ORDERS)) {
-        place = h->effect.variant.order;
-    } else if (class == MUKCA_CLASS_UNKNOWN) {
-        const bool step = mukca_unlisted_functions[h->unlisted.function].shape == MUKCA_SHAPE_STEP;
-        place = h->unlisted.function * MUKCA_PLACES + (int)h->unlisted.place;
-        if (step) place = MUKCA_UNLISTED_FUNCTIONS * MUKCA_PLACES + (int)h->unlisted.measure;
-        if (h->joint < 0) at = h->placement + 1;
-    } else {
-        place = h->placement + 1;
-    }
-    return (place * 2 * MUKCA_MAX_JOINTS + at) * MUKCA_CLASSES + class;
-}
-
 /* Basis of an effect; additional terms of an elastic effect: under the load of each single body. */
 static void fill_effect(const mukca_candidate *h, const mukca_recording *recording)
 {

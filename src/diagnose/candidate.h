@@ -155,9 +155,6 @@ bool mukca_candidate_changes_pair(const mukca_candidate *candidate,
 /* Prior scales of coefficient * unit over which a candidate is averaged, for columns per unit. */
 mukca_mixture mukca_candidate_mixture(const mukca_candidate *candidate);
 
-/* Key of the candidates of which a set contains one at most: variants of one cause. */
-int mukca_candidate_key(const mukca_candidate *candidate);
-
 /* Fill terms, basis and units of a candidate; the other members are set.  In two steps: take
  * memory, unless basis and units are those of a candidate in list[n] (from the last one on, until
  * the function changes), and compute them.  False: no memory. */

@@ -329,13 +329,3 @@ void mukca_linearisation_update(mukca_linearisation *linear, mukca_unknowns *u)
     }
     run(&of, fill_y);
 }
-
-bool mukca_linearisation_select(mukca_linearisation *linear, const mukca_unknowns *u)
-{
-    for (int c = 0; c < u->n_causes; c++)
-        if (u->n_causes != linear->n_causes ||
-            !mukca_candidate_same(&linear->cause[c], &u->cause[c].candidate))
-            return false;
-    linear->n_columns = u->n_causes ? linear->y : u->n_geometry;
-    return true;
-}

@@ -37,10 +37,6 @@ bool mukca_linearisation_create(mukca_linearisation *linear, mukca_pool *pool,
 /* Linearise at the present unknowns, and set their geometry. */
 void mukca_linearisation_update(mukca_linearisation *linear, mukca_unknowns *unknowns);
 
-/* Select the columns of the present causes without a new linearisation.  False: they are neither
- * none nor those of the linearisation. */
-bool mukca_linearisation_select(mukca_linearisation *linear, const mukca_unknowns *unknowns);
-
 /* Smallest change of the angles seated[n] that moves the predicted tip by r (overwritten), to first
  * order. */
 void mukca_linearisation_seat(double *seated, double r[3], int n, const mukca_geometry *geometry,

@@ -362,7 +362,19 @@ void mukca_regression_freeze(mukca_regression *m)
     mukca_regression_linearise(m);
 }
 
+/* Select the columns of the present causes without a new linearisation.  False: they are neither
+ * none nor those of the linearisation. */
+static bool select_columns(mukca_linearisation *linear, const mukca_unknowns *u)
+{
+    for (int c = 0; c < u->n_causes; c++)
+        if (u->n_causes != linear->n_causes ||
+            !mukca_candidate_same(&linear->cause[c], &u->cause[c].candidate))
+            return false;
+    linear->n_columns = u->n_causes ? linear->y : u->n_geometry;
+    return true;
+}
+
 void mukca_regression_return(mukca_regression *m)
 {
-    if (!mukca_linearisation_select(&m->linear, &m->unknowns)) mukca_regression_freeze(m);
+    if (!select_columns(&m->linear, &m->unknowns)) mukca_regression_freeze(m);
 }

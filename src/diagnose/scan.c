@@ -229,6 +229,26 @@ static void fill_batch(void *context, int block, int worker)
     }
 }
 
+/* Key of the candidates of which a set contains one at most: variants of one cause. */
+static int key_of(const mukca_candidate *h)
+{
+    const int class = mukca_candidate_class(h);
+    int at = h->joint + 1, place = 0; /* place: what distinguishes causes of a class at a joint */
+    if (mukca_candidate_is_fault(h)) {
+        at = h->fault.group, place = h->fault.first;
+    } else if (mukca_effect_has(class, MUKCA_TRAIT_ORDERS)) {
+        place = h->effect.variant.order;
+    } else if (class == MUKCA_CLASS_UNKNOWN) {
+        const bool step = mukca_unlisted_functions[h->unlisted.function].shape == MUKCA_SHAPE_STEP;
+        place = h->unlisted.function * MUKCA_PLACES + (int)h->unlisted.place;
+        if (step) place = MUKCA_UNLISTED_FUNCTIONS * MUKCA_PLACES + (int)h->unlisted.measure;
+        if (h->joint < 0) at = h->placement + 1;
+    } else {
+        place = h->placement + 1;
+    }
+    return (place * 2 * MUKCA_MAX_JOINTS + at) * MUKCA_CLASSES + class;
+}
+
 bool mukca_scan_question(mukca_question *question, mukca_scan *s, mukca_pool *pool,
                          const int *index, int n)
 {
@@ -249,7 +269,7 @@ bool mukca_scan_question(mukca_question *question, mukca_scan *s, mukca_pool *po
             .terms = h->terms,
             .prior = mukca_candidate_mixture(h),
             .log_prior = h->log_prior - MUKCA_SET_RATE,
-            .key = mukca_candidate_key(h),
+            .key = key_of(h),
             .kin = h->kind == MUKCA_CANDIDATE_EFFECT ? mukca_effect_kin(&h->effect) : 0,
             .kinship = KINSHIP};
     }
