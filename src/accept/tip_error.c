@@ -243,8 +243,8 @@ static bool turns_about(const mukca_arm_posterior *p, int joint)
     for (int i = 0; i < r->n_samples; i++) {
         const int row = r->order[i];
         const double *e = p->residual[row], w = p->weight[row] * p->weight[row];
-        mukca_fk_frames(frame, NULL, &p->m.unknowns.arm.geometry, p->data.q + row * p->data.n_joints,
-                        NULL);
+        mukca_fk_frames(frame, NULL, &p->m.unknowns.arm.geometry,
+                        p->data.q + row * p->data.n_joints, NULL);
         mukca_mat3_vec(axis, frame[k].R, p->chain.element[k].axis);
         const double part = mukca_dot3(axis, e);
         along += w * part * part;
