@@ -73,7 +73,6 @@ typedef struct {
     const unsigned char *taken;
 } filling;
 
-/* taken NULL: with the units. */
 static void fill(void *context, int block, int worker)
 {
     const filling *job = context;
@@ -88,14 +87,9 @@ static void fill(void *context, int block, int worker)
 void mukca_candidates_fill(const mukca_candidates *all, unsigned char *taken)
 {
     const mukca_candidate *list = all->list;
-    for (int i = 0; i < all->count; i++)
+    const int n = all->pool->failed ? 0 : all->count;
+    for (int i = 0; i < n && taken; i++)
         for (int o = 0; o < i && taken[i] && list[i].shares_basis; o++)
             if (list[o].basis == list[i].basis) taken[o] = 1;
-    mukca_workers_run(all->recording->workers, all->count, fill, &(filling){all, taken});
-}
-
-void mukca_candidates_compute(mukca_candidates *all)
-{
-    mukca_workers_run(all->recording->workers, all->pool->failed ? 0 : all->count, fill,
-                      &(filling){all, NULL});
+    mukca_workers_run(all->recording->workers, n, fill, &(filling){all, taken});
 }

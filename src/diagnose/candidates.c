@@ -131,7 +131,7 @@ mukca_status mukca_candidates_list(mukca_candidates *all, const mukca_unknowns *
     all->capacity = all->count + MOST_ORDERS * n;
     mukca_candidate *list = MUKCA_TAKE(all->pool, mukca_candidate, all->capacity);
     if (all->pool->failed) return no_memory(all->recording, error);
-    mukca_candidates_compute(all);
+    mukca_candidates_fill(all, NULL);
     mukca_candidates_drop_listed(all);
     memcpy(list, all->list, sizeof *list * (size_t)all->count);
     all->list = list;

@@ -33,11 +33,8 @@ void mukca_candidates_append_unlisted(mukca_candidates *all, const mukca_unknown
  */
 void mukca_candidates_drop_listed(mukca_candidates *all);
 
-/* Compute what the candidates appended are functions of. */
-void mukca_candidates_compute(mukca_candidates *all);
-
-/* Compute anew the functions of the candidates marked in taken[count]; those whose functions they
- * share are marked, too. */
+/* Compute the functions and units of all candidates; or (taken[count] not NULL) anew the functions
+ * of those marked, and of those with which they share them, which are marked, too. */
 void mukca_candidates_fill(const mukca_candidates *all, unsigned char *taken);
 
 /* After the start: all candidates for a recording, with prior odds.  Errors: MUKCA_MEMORY. */

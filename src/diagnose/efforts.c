@@ -21,7 +21,7 @@ static mukca_status weigh_springs(double *value, mukca_regression *m, const mukc
         others[e] = !mukca_effect_has(e, MUKCA_TRAIT_ELASTIC) || (disabled && disabled[e]);
     mukca_recording_load(&m->recording);
     mukca_candidates_start(&springs, &pool, &m->recording, others);
-    mukca_candidates_compute(&springs);
+    mukca_candidates_fill(&springs, NULL);
     int *index = MUKCA_TAKE(&pool, int, springs.count + 1);
     mukca_unknowns_assign(&m->unknowns, faults);
     mukca_regression_freeze(m); /* another load has other columns */

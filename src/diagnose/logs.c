@@ -23,7 +23,7 @@ static mukca_status add_springs(mukca_regression *m, mukca_error *error)
     others[mukca_effect_at(MUKCA_SITE_ANGLE, MUKCA_TRAIT_FLEXIBLE)] = 0;
     others[mukca_effect_at(MUKCA_SITE_BASE, MUKCA_TRAIT_FLEXIBLE)] = 0;
     mukca_candidates_start(&all, &m->pool, &m->recording, others);
-    mukca_candidates_compute(&all);
+    mukca_candidates_fill(&all, NULL);
     if (m->pool.failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the logs");
     for (int i = 0; i < all.count; i++) mukca_unknowns_add(&m->unknowns, &all.list[i]);
     return MUKCA_OK;
