@@ -59,12 +59,7 @@ typedef struct {
     int folds_better, folds;
 } mukca_shrink;
 
-#define MUKCA_SHRINK_NONE                  \
-    ((mukca_shrink){.before_m = NAN,       \
-                    .after_m = NAN,        \
-                    .shrink_percent = NAN, \
-                    .low_percent = NAN,    \
-                    .high_percent = NAN})
+#define MUKCA_SHRINK_NONE ((mukca_shrink){NAN, NAN, NAN, NAN, NAN, 0, 0})
 
 typedef struct {
     mukca_effect effect;         /* kind, joint, placement, variant and coefficients, SI */

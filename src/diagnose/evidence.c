@@ -77,26 +77,21 @@ void mukca_evidence_along(double *along, const double *mean, int n, int ld,
         }
 }
 
-/* Whitening of the stored columns, some at a time. */
-typedef struct {
-    mukca_evidence *evidence;
-    const mukca_normal_equations *normal;
-} whitening;
-
 enum { TOGETHER = 32, PANEL = 16 }; /* columns of a block: whitened, multiplied */
 
+/* Whiten some of the stored columns. */
 static void whiten_columns(void *context, int block, int worker)
 {
-    const whitening *c = context;
-    const mukca_linearisation *linear = c->evidence->linear;
+    const mukca_evidence *evidence = context;
+    const mukca_linearisation *linear = evidence->linear;
     const int ld = linear->stride, from = block * TOGETHER, left = ld - from;
     (void)worker;
     mukca_whitening_apply(&(mukca_whitened){.n = left < TOGETHER ? left : TOGETHER,
                                             .ld = ld,
                                             .x = linear->columns + from,
-                                            .white = c->evidence->white.x + from,
-                                            .mean = c->evidence->white.mean + from},
-                          &c->normal->whitening, &linear->recording->samples);
+                                            .white = evidence->white.x + from,
+                                            .mean = evidence->white.mean + from},
+                          &evidence->white.equations->whitening, &linear->recording->samples);
 }
 
 const double *mukca_evidence_whiten(mukca_evidence *evidence, const mukca_normal_equations *normal)
@@ -108,7 +103,7 @@ const double *mukca_evidence_whiten(mukca_evidence *evidence, const mukca_normal
     evidence->white.version = normal->version;
     mukca_workers_run(evidence->linear->recording->workers,
                       (evidence->linear->stride + TOGETHER - 1) / TOGETHER, whiten_columns,
-                      &(whitening){evidence, normal});
+                      evidence);
     return evidence->white.x;
 }
 

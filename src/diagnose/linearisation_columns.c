@@ -14,35 +14,29 @@ typedef struct {
     int coordinates, coordinate, component, term;
 } lever_rows;
 
-/* False: the candidate's columns are not levers times basis functions. */
-static bool levers_of(lever_rows *out, const mukca_linearisation *linear, const mukca_candidate *h)
+/* first NULL: the candidate's columns are not levers times basis functions. */
+static lever_rows levers_of(const mukca_linearisation *linear, const mukca_candidate *h)
 {
     const int d = linear->recording->dim, n = linear->recording->chain->n_joints, joint = h->joint,
               ld = linear->stride;
     const double *frame = linear->columns;
     switch (mukca_candidate_site(h)) {
         case MUKCA_SITE_ANGLE:
-            *out = (lever_rows){linear->lever + joint * d, (size_t)(n * d), d, 1, 0, 0};
-            return true;
+            return (lever_rows){linear->lever + joint * d, (size_t)(n * d), d, 1, 0, 0};
         case MUKCA_SITE_ANGLES:
-            *out = (lever_rows){linear->lever, (size_t)(n * d), d, 1, d, 0};
-            return true;
+            return (lever_rows){linear->lever, (size_t)(n * d), d, 1, d, 0};
         case MUKCA_SITE_ROTATION:
-            *out = (lever_rows){
+            return (lever_rows){
                 linear->rotation_lever + joint * 3 * d, (size_t)(n * 3 * d), d, 3, 1, 0};
-            return true;
         case MUKCA_SITE_BASE:
-            *out = (lever_rows){linear->base_lever, (size_t)(3 * d), d, 3, 1, 0};
-            return true;
+            return (lever_rows){linear->base_lever, (size_t)(3 * d), d, 3, 1, 0};
         case MUKCA_SITE_TIP:
-            *out = (lever_rows){linear->seated_frame, 9, 3, 3, 1, 0};
-            return true;
+            return (lever_rows){linear->seated_frame, 9, 3, 3, 1, 0};
         case MUKCA_SITE_FRAME: /* along or about x, y and z */
             frame += 6 * h->unlisted.slot + (h->unlisted.place == MUKCA_PLACE_TURN ? 3 : 0);
-            *out = (lever_rows){frame, (size_t)d * (size_t)ld, d, ld, 0, 1};
-            return true;
+            return (lever_rows){frame, (size_t)d * (size_t)ld, d, ld, 0, 1};
         default:
-            return false;
+            return (lever_rows){0};
     }
 }
 
@@ -108,8 +102,8 @@ void mukca_linearisation_columns(double *E, int ld, const mukca_linearisation *l
 {
     const mukca_recording *recording = linear->recording;
     const int d = recording->dim;
-    lever_rows by;
-    if (levers_of(&by, linear, h)) {
+    const lever_rows by = levers_of(linear, h);
+    if (by.first) {
         turn_levers(E, ld, &by, recording, h);
         return;
     }
