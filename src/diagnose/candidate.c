@@ -178,8 +178,8 @@ static void fill_effect(const mukca_candidate *h, const mukca_recording *recordi
 /* Unit of each term: rms, about the mean, of the joint's rotation per unit of coefficient. */
 static void set_units(double *unit, const mukca_candidate *h, const mukca_recording *recording)
 {
-    const int width = h->width_of_term;
-    const int site = mukca_candidate_site(h);
+    const int width = h->width_of_term, site = mukca_candidate_site(h);
+    const size_t step = (size_t)(h->terms * width);
     const bool wave = mukca_effect_has(mukca_candidate_class(h), MUKCA_TRAIT_PERIODIC);
     for (int t = 0; t < h->terms && site != MUKCA_SITE_TIP; t++) {
         double square = 0, whole = 0;
@@ -188,9 +188,7 @@ static void set_units(double *unit, const mukca_candidate *h, const mukca_record
             int used = 0;
             for (int row = 0; row < recording->data->n_rows; row++) {
                 if (!recording->keep[row]) continue;
-                const double x =
-                    (double)h
-                        ->basis[(size_t)row * (size_t)(h->terms * width) + (size_t)(t * width + i)];
+                const double x = (double)h->basis[(size_t)row * step + (size_t)(t * width + i)];
                 sum += x, sum2 += x * x, used++;
             }
             if (used) square += sum2 / used - (sum / used) * (sum / used), whole += sum2 / used;

@@ -6,12 +6,9 @@
 #include "effect/catalogue.h"
 #include "infer/mixture.h"
 
-enum {
-    MUKCA_MAX_COLUMNS = MUKCA_MOST_TERMS, /* terms of one candidate */
-    /* Highest order per turn of a smooth function of an angle: some six of the narrowest bumps,
-     * 0.12 rad, make a wave. */
-    MUKCA_SMOOTH_ORDER = 8
-};
+/* Highest order per turn of a smooth function of an angle: some six of the narrowest bumps, 0.12
+ * rad, make a wave. */
+enum { MUKCA_SMOOTH_ORDER = 8 };
 
 #define MUKCA_WAVE_UNIT 0.70710678118654752440 /* rms of a sine */
 

@@ -23,6 +23,7 @@ typedef struct {
     const mukca_unlisted_function *function;
 } lister;
 
+/* Append a function with each of n measures. */
 static void append_measures(const lister *l, mukca_candidate h, const double *measure, int n)
 {
     for (int i = 0; i < n; i++) {
@@ -44,7 +45,7 @@ static void append_variants(const lister *l, mukca_candidate h)
     const mukca_argument argument = l->function->argument;
     if (l->function->shape == MUKCA_SHAPE_BUMPS && argument == MUKCA_ARGUMENT_ANGLE) {
         for (int i = 0; l->all->survey.joint[h.joint].turns && i < COUNT(widths); i++)
-            if (widths[i] <= 0.6 * range && ceil(range / widths[i]) + 1 <= MUKCA_MAX_COLUMNS)
+            if (widths[i] <= 0.6 * range && ceil(range / widths[i]) + 1 <= MUKCA_MOST_TERMS)
                 append_measures(l, h, &widths[i], 1);
     } else if (l->function->shape == MUKCA_SHAPE_STEP) {
         /* in the last socket, it is equivalent to a moved socket: tool_motion */

@@ -13,7 +13,7 @@
 static void mass_weights(double *weight, const mukca_recording *recording, const mukca_candidate *h)
 {
     const int terms = h->terms, width = h->width_of_term;
-    memset(weight, 0, sizeof *weight * MUKCA_MAX_COLUMNS);
+    memset(weight, 0, sizeof *weight * MUKCA_MOST_TERMS);
     for (int i = 0; i < recording->n_samples; i++) {
         const float *basis = h->basis + (size_t)recording->order[i] * (size_t)(terms * width);
         for (int t = 0; t < terms; t++)
@@ -31,7 +31,7 @@ static void measure(mukca_cause *out, mukca_regression *m, int index)
     const mukca_candidate *h = &cause->candidate;
     const int terms = out->effect.terms, column = mukca_unknowns_column(&m->unknowns, index);
     const double one = 1;
-    double *coefficient = out->effect.coefficient, direction[MUKCA_MAX_COLUMNS] = {1};
+    double *coefficient = out->effect.coefficient, direction[MUKCA_MOST_TERMS] = {1};
     if (mukca_candidate_by_mass(h)) { /* of an effect with one coefficient */
         mass_weights(direction, &m->recording, h);
         for (int t = 0; t < h->terms; t++) coefficient[0] += direction[t] * cause->coefficient[t];

@@ -39,8 +39,8 @@ typedef struct {
     double *mean;              /* [capacity] posterior mean of the last fit */
     double *average;           /* [capacity] scratch */
     double best;               /* log evidence of the best coefficient in the last comparison */
-    double
-        expected; /* weight of the usual noise and geometry (model/prior.h), in numbers; 0: none */
+    /* weight of the usual noise and geometry (model/prior.h), in numbers; 0: none */
+    double expected;
 } mukca_evidence;
 
 /* Memory comes from `pool`; the linearisation must outlive it.  False: no memory. */

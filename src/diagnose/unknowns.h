@@ -22,7 +22,7 @@ typedef struct {
     /* Prior of a single coefficient from elsewhere: its mean; the scale is fixed. */
     bool known;
     double centre;
-    double coefficient[MUKCA_MAX_COLUMNS];
+    double coefficient[MUKCA_MOST_TERMS];
 } mukca_accepted;
 
 /* Frames of the pose logs; shared frames are equal. */

@@ -118,8 +118,7 @@ void mukca_unlisted_set_shape(mukca_candidate *h, const mukca_recording *r)
     double range[2];
     if (!values) {
         mukca_recording_range(range, r, r->q, r->chain->n_joints, h->joint < 0 ? 0 : h->joint);
-        values =
-            (int)fmin(ceil((range[1] - range[0]) / h->unlisted.measure) + 1, MUKCA_MAX_COLUMNS);
+        values = (int)fmin(ceil((range[1] - range[0]) / h->unlisted.measure) + 1, MUKCA_MOST_TERMS);
     }
     h->terms = values * axes_of(h);
     h->width_of_term =
@@ -304,7 +303,7 @@ static void fill_angles(mukca_candidate h, const mukca_recording *r)
         h.unlisted.argument = j;
         survey_rows(&s, &h, r);
         for (int row = 0; row < r->data->n_rows; row++) {
-            double value[MUKCA_MAX_COLUMNS] = {0};
+            double value[MUKCA_MOST_TERMS] = {0};
             evaluate(value, 1, &h, r, row, &s);
             h.basis[row * n + j] = (float)value[0];
         }
@@ -344,7 +343,7 @@ void mukca_unlisted_fill(const mukca_candidate *h, const mukca_recording *r)
     }
     survey_rows(&s, h, r);
     for (int row = 0; row < r->data->n_rows; row++) {
-        double value[MUKCA_MAX_COLUMNS] = {0};
+        double value[MUKCA_MOST_TERMS] = {0};
         evaluate(value, values, h, r, row, &s);
         for (int k = 0; k < values; k++)
             for (int a = 0; a < axes; a++)

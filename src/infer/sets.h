@@ -58,9 +58,8 @@ typedef struct {
 typedef struct {
     const mukca_question *question;
     mukca_pool *pool;
-    double **block; /* [n_items] diagonal blocks of the Gram matrix */
-    const double *
-        *gram; /* [n_items] rows of the Gram matrix, [terms][stride]; NULL: not yet needed */
+    double **block;      /* [n_items] diagonal blocks of the Gram matrix */
+    const double **gram; /* [n_items] its rows, [terms][stride]; NULL: not yet needed */
     int n_sets, best;
     mukca_set *set; /* [MUKCA_MOST_SETS] */
     int *table;     /* hash table: 1 + index of a set, 0: none */
