@@ -47,8 +47,8 @@ mukca_normal_equations *mukca_regression_collect(mukca_regression *m, int index)
 }
 
 /* Evidence under one model of the unknowns, with their priors and noise. */
-static double weigh(mukca_regression *m, const mukca_normal_equations *normal, int model,
-                    double *mean)
+static double evidence_of(mukca_regression *m, const mukca_normal_equations *normal, int model,
+                          double *mean)
 {
     mukca_unknowns_prior(m->evidence.posterior.prior, &m->unknowns, model);
     return mukca_evidence_evaluate(&m->evidence, normal, m->unknowns.sigma, mean);
@@ -56,12 +56,12 @@ static double weigh(mukca_regression *m, const mukca_normal_equations *normal, i
 
 double mukca_regression_factor(mukca_regression *m)
 {
-    return weigh(m, mukca_regression_collect(m, m->unknowns.family), -1, NULL);
+    return evidence_of(m, mukca_regression_collect(m, m->unknowns.family), -1, NULL);
 }
 
 bool mukca_regression_solve(mukca_regression *m, const mukca_normal_equations *normal, int model)
 {
-    return weigh(m, normal, model, m->evidence.mean) > -HUGE_VAL;
+    return evidence_of(m, normal, model, m->evidence.mean) > -HUGE_VAL;
 }
 
 /* Posterior mean of the present columns with the priors of the last evaluation. */
@@ -135,7 +135,7 @@ static void choose_cause(mukca_accepted *cause, mukca_regression *m,
     double best = -HUGE_VAL, chosen = 0;
     for (int i = 0; i < prior.n_sizes; i++) {
         cause->scale = prior.size[i];
-        const double value = prior.log_weight[i] + weigh(m, normal, -1, NULL);
+        const double value = prior.log_weight[i] + evidence_of(m, normal, -1, NULL);
         if (value > best) best = value, chosen = prior.size[i];
     }
     cause->scale = chosen;
@@ -157,7 +157,7 @@ void mukca_scales_choose(mukca_regression *m, const mukca_normal_equations *norm
         u->prior.length = lengths[k / N], u->prior.angle = angles[k % N];
         mukca_unknowns_set_geometry_prior(u, &m->recording);
         if (i == N * N) break;
-        const double value = weigh(m, normal, -1, NULL) +
+        const double value = evidence_of(m, normal, -1, NULL) +
                              log_expected(part, u->prior.length, mukca_prior_expected.length) +
                              log_expected(part, u->prior.angle, mukca_prior_expected.angle);
         if (value > best) best = value, chosen = k;
