@@ -34,8 +34,23 @@ static void list_outliers_at(mukca_candidates *all, int g, int i)
     }
 }
 
-/* List the motions of the tool before a stay of a socket.  A motion before the first or last few is
- * indistinguishable from a badly seated ball: an outlier of all of their readings. */
+/* Was a socket of the same placement recorded completely before this group?  Then a tool that moved
+ * in between changes their distance. */
+static bool follows_another(const mukca_recording *r, int g)
+{
+    const mukca_group *group = &r->groups[g];
+    for (int p = 0; p < r->n_pairs; p++) {
+        const int o = r->pairs[p].a == g ? r->pairs[p].b : r->pairs[p].b == g ? r->pairs[p].a : -1;
+        if (o >= 0 &&
+            r->order[r->groups[o].start + r->groups[o].count - 1] < r->order[group->start])
+            return true;
+    }
+    return false;
+}
+
+/* List the motions of the tool before a stay of a socket, or before all of them.  A motion before
+ * the first or last few is indistinguishable from a badly seated ball: an outlier of all of their
+ * readings. */
 static void list_motions(mukca_candidates *all, int g)
 {
     const mukca_group *group = &all->recording->groups[g];
@@ -62,20 +77,9 @@ static void list_motions(mukca_candidates *all, int g)
     h.fault.last = rows[last];
     h.fault.shape = MUKCA_FAULT_GROWING;
     if (group->socket >= 0 && stays >= 2 * LONGEST_BURST) mukca_candidates_append(all, h);
-}
-
-/* Was a socket of the same placement recorded completely before this group?  Then a tool that moved
- * in between changes their distance. */
-static bool follows_another(const mukca_recording *r, int g)
-{
-    const mukca_group *group = &r->groups[g];
-    for (int p = 0; p < r->n_pairs; p++) {
-        const int o = r->pairs[p].a == g ? r->pairs[p].b : r->pairs[p].b == g ? r->pairs[p].a : -1;
-        if (o >= 0 &&
-            r->order[r->groups[o].start + r->groups[o].count - 1] < r->order[group->start])
-            return true;
-    }
-    return false;
+    h.fault.last = all->recording->data->n_rows - 1;
+    h.fault.shape = MUKCA_FAULT_STEADY;
+    if (follows_another(all->recording, g)) mukca_candidates_append(all, h);
 }
 
 void mukca_candidates_append_faults(mukca_candidates *all)
@@ -84,13 +88,5 @@ void mukca_candidates_append_faults(mukca_candidates *all)
         const mukca_group *group = &all->recording->groups[g];
         for (int i = 0; i < group->count; i++) list_outliers_at(all, g, i);
         if (group->count) list_motions(all, g);
-        if (group->count && follows_another(all->recording, g))
-            mukca_candidates_append(
-                all, (mukca_candidate){.kind = MUKCA_CANDIDATE_MOTION,
-                                       .joint = -1,
-                                       .placement = group->placement,
-                                       .fault = {.group = g,
-                                                 .first = all->recording->order[group->start],
-                                                 .last = all->recording->data->n_rows - 1}});
     }
 }

@@ -89,8 +89,8 @@ static mukca_status identify(mukca_diagnosis *d, mukca_regression *m,
     d->shared = family->shared;
     if (status == MUKCA_OK && d->sigma_m < MUKCA_MOST_SIGMA) {
         mukca_verdict_reach(d, id);
-        const bool none = d->verdict == MUKCA_VERDICT_UNKNOWN;
-        if (d->unexplained || none) d->structure_m = mukca_held_out_structure(m);
+        if (d->unexplained || d->verdict == MUKCA_VERDICT_UNKNOWN)
+            d->structure_m = mukca_held_out_structure(m);
         status = mukca_averaged_fit(m, id, error);
         if (id->pool.failed) status = mukca_fail(error, MUKCA_MEMORY, "out of memory for causes");
     } else if (status == MUKCA_OK) {

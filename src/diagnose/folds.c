@@ -38,13 +38,13 @@ int mukca_folds_assign(int *fold, const mukca_regression *m, bool by_socket)
     const bool sockets = by_socket || data->n_placements < 2;
     n = sockets ? data->n_sockets : data->n_placements;
     for (int row = 0; row < data->n_rows; row++) {
-        const int g = log[row]; /* a block of each log: the rest determines its frames */
-        if (data->socket[row] < 0) fold[row] = n + (int)((long long)poses * done[g]++ / of_log[g]);
-        if (data->socket[row] < 0 && m->recording.repeats && m->recording.posture[row] < row &&
-            data->socket[m->recording.posture[row]] < 0)
-            fold[row] = fold[m->recording.posture[row]]; /* readings of a posture share errors */
-        if (data->socket[row] < 0) continue;
+        const int g = log[row], posture = m->recording.posture[row];
         fold[row] = sockets ? data->socket[row] : m->recording.placement[row];
+        if (data->socket[row] >= 0) continue;
+        /* a block of each log: the rest determines its frames */
+        fold[row] = n + (int)((long long)poses * done[g]++ / of_log[g]);
+        if (m->recording.repeats && posture < row && data->socket[posture] < 0)
+            fold[row] = fold[posture]; /* readings of a posture share errors */
     }
     return n + (poses > LEAST_POSES ? poses : 0);
 }

@@ -54,11 +54,13 @@ static int by_hash(const void *a, const void *b)
     return x->hash != y->hash ? (x->hash > y->hash) - (x->hash < y->hash) : x->sample - y->sample;
 }
 
-/* Draw half of the postures of each group, by their angles, whatever the order of the rows. */
-static void draw(unsigned char *in, drawn *posture, const mukca_recording *r, int pair)
+/* Draw half of the postures of each group, by their angles, whatever the order of the rows. Returns
+ * the number of postures of the smaller half. */
+static int draw(unsigned char *in, drawn *posture, const mukca_recording *r, int pair)
 {
     const mukca_samples *s = &r->samples;
     const int n = r->chain->n_joints;
+    int size[2] = {0, 0};
     for (int b = 0; b < s->n_blocks; b++) {
         const int start = s->block[b].start, end = start + s->block[b].count;
         int count = 0;
@@ -75,9 +77,11 @@ static void draw(unsigned char *in, drawn *posture, const mukca_recording *r, in
         }
         qsort(posture, (size_t)count, sizeof *posture, by_hash);
         const int half = count / 2 + (count % 2 && posture[0].hash % 2); /* of an odd number */
+        size[0] += half, size[1] += count - half;
         for (int p = 0; p < count; p++)
             for (int k = posture[p].sample; k >= 0; k = s->next[k]) in[k] = p < half;
     }
+    return size[0] < size[1] ? size[0] : size[1];
 }
 
 /* Columns of a row, in the layout of the parts. */
@@ -205,15 +209,6 @@ static bool choose_items(mukca_halves *h, mukca_pool *pool, const mukca_search *
     return true;
 }
 
-/* Postures of the smaller half. */
-static int count_postures(const mukca_recording *r, const unsigned char *in)
-{
-    int count[2] = {0, 0};
-    for (int i = 0; i < r->n_samples; i++)
-        if (r->samples.readings[i]) count[in[i] != 0]++;
-    return count[0] < count[1] ? count[0] : count[1];
-}
-
 typedef struct {
     mukca_halves *halves;
     splitter worker[MUKCA_MOST_WORKERS];
@@ -228,9 +223,8 @@ static void search_pair(void *context, int pair, int worker)
     const mukca_recording *r = &s->id->m->recording;
     mukca_pool *pool = &job->halves->pool[worker];
     const int square = s->width * s->width;
-    draw(s->in, s->posture, r, pair);
     job->outcome[pair] = TOO_FEW;
-    if (count_postures(r, s->in) < LEAST_POSTURES) return;
+    if (draw(s->in, s->posture, r, pair) < LEAST_POSTURES) return;
     multiply(s, s->part, s->ones[1], s->in);
     for (int i = 0; i < square; i++) s->second[i] = s->whole[i] - s->part[i];
     job->outcome[pair] = DONE;
