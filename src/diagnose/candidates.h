@@ -24,8 +24,8 @@ void mukca_candidates_start(mukca_candidates *all, mukca_pool *pool,
 /* Append a candidate, unless its effect is disabled. */
 void mukca_candidates_append(mukca_candidates *all, mukca_candidate candidate);
 
-/* Append the recording faults (candidates_faults.c); the causes outside the catalogue
- * (candidates_unlisted.c). */
+/* Append the recording faults (candidate_faults.c); the causes outside the catalogue
+ * (candidate_unlisted.c). */
 void mukca_candidates_append_faults(mukca_candidates *all);
 void mukca_candidates_append_unlisted(mukca_candidates *all, const mukca_unknowns *unknowns);
 

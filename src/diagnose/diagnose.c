@@ -110,21 +110,21 @@ static mukca_status validate(mukca_diagnosis *d, mukca_regression *m,
     double *of_geometry =
         options->test ? MUKCA_TAKE(&d->pool, double, options->test->n_rows) : NULL;
     if (!geometry) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the arm");
-    mukca_status status = mukca_held_out_run(d, geometry, m, options, error);
+    MUKCA_TRY(mukca_held_out_run(d, geometry, m, options, error));
     /* unknown functions can absorb any error of the samples, but do not predict others */
     if (!d->why && d->explained_m > MUKCA_MEAN_NORM3 * MUKCA_MOST_SIGMA) {
         set_untestable(d, m, does_not_fit);
         return validate(d, m, options, error);
     }
     if (d->placement_mae_m) d->noise_floor_m = MUKCA_MEAN_NORM3 * d->sigma_m;
-    if (status == MUKCA_OK && options->test)
-        status = mukca_test_data_measure(d, of_geometry, m, geometry, options->test, error);
+    if (options->test)
+        MUKCA_TRY(mukca_test_data_measure(d, of_geometry, m, geometry, options->test, error));
     if (d->verdict != MUKCA_VERDICT_TIED || !(d->test_explained_m > d->test_geometry_m))
-        return status;
+        return MUKCA_OK;
     for (int c = u->n_causes - 1; c >= 0; c--)
         if (mukca_candidate_moves_arm(&u->cause[c].candidate)) mukca_unknowns_drop(u, c);
     d->after_m = of_geometry;
-    return status;
+    return MUKCA_OK;
 }
 
 /* Set all errors to not measured. */
@@ -143,10 +143,10 @@ static mukca_status choose_sign(mukca_regression *m, const mukca_diagnose_option
     const mukca_recording *r = &m->recording;
     double score[2], lead = 0;
     if (r->n_bodies || !r->data->effort || options->efforts) return MUKCA_OK;
-    mukca_status status = mukca_efforts_weigh(&lead, m, options->disabled, error);
+    MUKCA_TRY(mukca_efforts_weigh(&lead, m, options->disabled, error));
+    if (!(lead > LEAD_OF_SIGN)) return MUKCA_OK; /* usually */
     mukca_diagnosis *tried = MUKCA_TAKE(&m->pool, mukca_diagnosis, 1);
     if (!tried) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the efforts");
-    if (status != MUKCA_OK || !(lead > LEAD_OF_SIGN)) return status; /* usually */
     mukca_diagnose_options o = *options;
     o.no_folds = true, o.applied = false, o.go_on = NULL;
     for (int i = 0; i < 2; i++) {
@@ -180,7 +180,10 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
     memset(diagnosis, 0, sizeof *diagnosis);
     mukca_regression *m = MUKCA_TAKE(&diagnosis->pool, mukca_regression, 1);
     mukca_chain *arm = MUKCA_TAKE(&diagnosis->pool, mukca_chain, 1);
-    if (!m || !arm) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the arm");
+    if (!m || !arm) {
+        mukca_diagnosis_free(diagnosis);
+        return mukca_fail(error, MUKCA_MEMORY, "out of memory for the arm");
+    }
     mukca_status status =
         mukca_chain_with_frames(arm, chain, false, options->free_tool && data->position, error);
     diagnosis->chain = chain = arm;

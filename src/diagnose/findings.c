@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "base/order.h"
+#include "diagnose/cause.h"
 #include "diagnose/halves.h"
 #include "math/stats.h"
 
@@ -17,8 +18,8 @@
 
 enum { MOST_SETS = 400 };
 
-/* Number the labels of the items of the last search behind the first n of label[]; label_of[n_kept],
- * -1: outlier.  Returns the number of labels. */
+/* Number the labels of the items of the last search behind the first n of label[];
+ * label_of[n_kept]: -1: outlier.  Returns the number of labels. */
 static int number_labels(mukca_label *label, int n, int *label_of, const mukca_search *id)
 {
     for (int i = 0; i < id->n_kept; i++) {
@@ -170,6 +171,9 @@ mukca_status mukca_findings_reach(mukca_diagnosis *d, mukca_search *id, mukca_er
     if (status == MUKCA_OK && n >= 0 && !mukca_findings_measure(d, &pool, id, &whole)) n = -1;
     qsort(d->findings, (size_t)d->n_findings, sizeof *d->findings, by_size);
     qsort(d->maybe, (size_t)d->n_maybe, sizeof *d->maybe, by_size);
+    for (int i = 1; i < d->n_findings; i++)
+        d->findings[i].group.beside_unknown = d->findings[i - 1].group.beside_unknown ||
+                                              d->findings[i - 1].outside > MUKCA_VERDICT_HALF;
     if (halves) mukca_halves_free(halves);
     mukca_pool_free(&pool);
     return status == MUKCA_OK && n < 0 ? no_memory(error) : status;

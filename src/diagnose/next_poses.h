@@ -1,4 +1,4 @@
-/* Next postures of a diagnosis: those that distinguish its tied causes. */
+/* Next postures of a diagnosis: those that split a finding. */
 #ifndef MUKCA_DIAGNOSE_NEXT_POSES_H
 #define MUKCA_DIAGNOSE_NEXT_POSES_H
 

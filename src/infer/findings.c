@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "infer/sets.h"
+
 /* Coarseness of a kind of group in addition to positions times kinds of causes: it decides between
  * groups with the same causes. */
 static const double coarser[] = {0, 0.01, 0.2, 0.4, 0.6},
@@ -114,7 +116,7 @@ static double square_of(double *split, double *outside, const mukca_finding_grou
                         const mukca_labelled_set *s, const mukca_labelled_sets *p)
 {
     double square = 0;
-    bool in[64]; /* more than MUKCA_SET_ITEMS */
+    bool in[MUKCA_SET_ITEMS];
     *split = *outside = 0;
     for (int i = 0; i < s->n; i++) {
         const mukca_label *l = &p->label[s->label[i]];

@@ -83,6 +83,8 @@ typedef struct mukca_finding_group {
     double against;     /* mean probability there that a rival is present instead */
     const struct mukca_finding_group *finer; /* [n_finer] chosen before: their causes are theirs */
     int n_finer;                             /* 0: none of its causes is */
+    bool beside_unknown; /* a larger finding is mostly outside the catalogue, of whose cause this
+                            may be what no function follows */
 } mukca_finding_group;
 
 /* Index of a label among those of label[*n], to which it is appended if it is new. */

@@ -138,7 +138,8 @@ const char *mukca_wording_sureness(char text[MUKCA_WORDING], const mukca_finding
     const double p = g->probability;
     const int held = (int)rint(g->halves * MUKCA_HALVES),
               against = (int)rint(g->against * MUKCA_HALVES);
-    put(text, "%s", p > 0.999 && held == MUKCA_HALVES ? "certain (" : "sure (");
+    put(text, "%s",
+        p > 0.999 && held == MUKCA_HALVES && !g->beside_unknown ? "certain (" : "sure (");
     if (p > 0.999)
         put(text, "> 99.9 %%, ");
     else
@@ -151,6 +152,7 @@ const char *mukca_wording_sureness(char text[MUKCA_WORDING], const mukca_finding
         put(text, "%d of %d halves, %d against)", held, MUKCA_HALVES, against);
     else
         put(text, "%d of %d halves, none against)", held, MUKCA_HALVES);
+    if (g->beside_unknown) put(text, ", or left by a larger cause outside the catalogue");
     return text;
 }
 

@@ -232,7 +232,7 @@ TEST(tied_causes_are_possible_and_no_table_corrects_them)
     assert_part(mukca_wording_verdict(MUKCA_WORDS, &r), "Nothing for sure");
 }
 
-/* A statement about what finer ones in its range leave says so. */
+/* A statement about what finer ones in its range, or one outside the catalogue, leave says so. */
 TEST(beside_finer_findings)
 {
     static mukca_diagnosis empty;
@@ -249,6 +249,11 @@ TEST(beside_finer_findings)
     assert_part(mukca_wording_finding(MUKCA_WORDS, &f, &r), "also drifts with time, base");
     f.group.kind = MUKCA_GROUP_PLACE;
     assert_part(mukca_wording_alternatives(MUKCA_WORDS, &f, &r), "catalogue (time)");
+    f.group.probability = f.group.halves = 1;
+    assert_part(mukca_wording_certainty(MUKCA_WORDS, &f, &r), "certain (> 99.9 %, all halves)");
+    f.group.beside_unknown = true;
+    assert_part(mukca_wording_certainty(MUKCA_WORDS, &f, &r),
+                "sure (> 99.9 %, all halves), or left by a larger cause outside the catalogue");
 }
 
 TEST_MAIN(set_up, tear_down)

@@ -203,6 +203,20 @@ TEST(test_tilt)
     }
 }
 
+/* What is found beside a larger cause outside the catalogue may be left by it. */
+TEST(test_beside_tilt)
+{
+    for (int k = 0; k < 2; k++) {
+        simulate("joint_compliance:joint_4=5e-5", 3);
+        if (k) tilt_ball(false);
+        diagnose((mukca_diagnose_options){.no_folds = true});
+        assert_int_equal(d->n_findings, 1 + k);
+        assert_int_equal(d->findings[0].group.beside_unknown, false);
+        if (k) assert_int_equal(d->findings[1].group.beside_unknown, true);
+        assert_int_equal(d->findings[k].group.family, MUKCA_VARIES_LOAD);
+    }
+}
+
 /* A badly seated ball that stays badly seated is no socket that moved: each socket's noise is a
  * series with a long memory, and a few samples of it are far off. */
 TEST(test_heavy_tails)

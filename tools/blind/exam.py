@@ -30,6 +30,7 @@ ROWS = {"right": "findings of effects of the catalogue that are right",
         "both": "mixtures of which both effects are found",
         "beside": "findings beside a cause outside the catalogue that are right",
         "outside": "findings of causes outside the catalogue that are right",
+        "left": "findings that may be left by a larger cause outside the catalogue, and are right",
         "withheld right": "class withheld: findings that are right",
         "withheld said": "class withheld: cases with a finding",
         "withheld name": "class withheld: cases with the name of another effect"}
@@ -41,8 +42,9 @@ def judge(label, answer, n, withheld):
     right = [findings.right(f, true, n, found) for f in found]
     names = any(f["kind"] == "effect" and not ok for f, ok in zip(found, right))
     wrong = [f for f, ok in zip(found, right) if not ok]
+    out += [("left", ok) for f, ok in zip(found, right) if f["beside_unknown"]]
     if withheld:
-        return ([("withheld right", ok) for ok in right] +
+        return (out + [("withheld right", ok) for ok in right] +
                 [("withheld said", bool(found)), ("withheld name", names)], wrong)
     if not true:
         return [("accused", bool(found))], found
