@@ -82,7 +82,7 @@ static void demote(mukca_motion *m, const double *gain, bool reference)
         if (gain[i] >= (reference ? least : -least))
             m->finding[kept++] = f;
         else if (m->n_maybe < MUKCA_MOST_FINDINGS) {
-            f.group.probability *= 0.5; /* as the posterior and these errors say on average */
+            f.group.probability = MUKCA_FINDING_MAYBE; /* the posterior against these errors */
             m->maybe[m->n_maybe++] = f;
         }
     }

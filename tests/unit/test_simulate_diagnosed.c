@@ -50,6 +50,7 @@ static void check_table(void)
         }
         for (int i = 0; i < rows; i++) sum += mukca_distance3(ball[i], mean);
     }
+    mukca_pool_free(&call.pool);
     print_message("  %.4f mm through the table\n", 1e3 * sum / data.n_rows);
     assert_true(sum / data.n_rows < 1.05 * 1.596e-4);
 }
