@@ -124,10 +124,9 @@ static json_t *finding(const mukca_diagnosed *r, const void *item)
         KEY("order_ci95", f->order[0] > 0 ? json_pack("[i, i]", f->order[0], f->order[1]) : NULL),
         KEY("probability", g->probability), KEY("halves", g->halves),
         KEY("halves_against", g->against), KEY("beside_finer", g->n_finer > 0),
-        FIELD(g, beside_unknown),
-        KEY("size_m", f->size_m.value), KEY("size_ci95_m", cli_json_estimate(&f->size_m)),
-        FIELD(f, share), KEY("held_out", shrink(&f->held_out)),
-        KEY("coefficient", coefficient(r, f)),
+        FIELD(g, beside_unknown), KEY("size_m", f->size_m.value),
+        KEY("size_ci95_m", cli_json_estimate(&f->size_m)), FIELD(f, share),
+        KEY("held_out", shrink(&f->held_out)), KEY("coefficient", coefficient(r, f)),
         KEY("alternatives", LIST(f->alternatives, f->n_alternatives, alternative)),
         KEY("sentence", mukca_wording_finding(MUKCA_WORDS, f, r)));
 }

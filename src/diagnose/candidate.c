@@ -179,7 +179,7 @@ static void fill_effect(const mukca_candidate *h, const mukca_recording *recordi
 static void set_units(double *unit, const mukca_candidate *h, const mukca_recording *recording)
 {
     const int width = h->width_of_term, site = mukca_candidate_site(h);
-    const size_t step = (size_t)(h->terms * width);
+    const size_t step = (size_t)h->terms * (size_t)width;
     const bool wave = mukca_effect_has(mukca_candidate_class(h), MUKCA_TRAIT_PERIODIC);
     for (int t = 0; t < h->terms && site != MUKCA_SITE_TIP; t++) {
         double square = 0, whole = 0;

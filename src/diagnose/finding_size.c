@@ -219,7 +219,7 @@ static void find_time_constants(double range[2], const mukca_finding_group *g, c
 static void describe(mukca_finding *f, const measured *w, const tables *t)
 {
     const mukca_labelled_sets *p = &w->in->posterior;
-    mukca_alternative all[64];
+    mukca_alternative all[64] = {0};
     double outside = 0, inside = 0;
     int n = 0;
     for (int i = 0; i < p->n_labels; i++) {

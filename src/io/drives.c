@@ -118,6 +118,7 @@ mukca_status mukca_drives_read(mukca_drives *drives, const char *path, const muk
     }
     r->drives = drives;
     r->chain = chain;
+    r->list[0].name = "";
     r->n = 1;
     for (mukca_export_tag tag = {.at = text}; mukca_export_next_tag(&tag, NULL);) {
         if (tag.depth == 0) urdf = mukca_export_is_tag(&tag, "robot");

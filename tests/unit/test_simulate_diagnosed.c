@@ -246,9 +246,10 @@ TEST(test_halves_of_heavy_tails)
     int springs = 0;
     for (int k = 0; k < 3; k++) {
         mukca_random random = mukca_random_seeded(seeds[k]);
-        simulate("joint_compliance:joint_4=4e-5,joint_compliance:joint_2=2e-5,"
-                 "gear_harmonic:joint_3@160=4e-4,link_bending:joint_3=3e-5",
-                 seeds[k]);
+        simulate(
+            "joint_compliance:joint_4=4e-5,joint_compliance:joint_2=2e-5,"
+            "gear_harmonic:joint_3@160=4e-4,link_bending:joint_3=3e-5",
+            seeds[k]);
         for (int row = 0; row < data.n_rows; row += 5)
             for (int j = 0; j < s.chain.n_joints; j++)
                 data.q[row * s.chain.n_joints + j] += 6e-4 * mukca_random_normal(&random);
