@@ -7,6 +7,7 @@
 #include "io/drives.h"
 #include "io/export.h"
 #include "math/stats.h"
+#include "motion/raw.h"
 #include "mukca/version.h"
 #include "record/joint_lines.h"
 #include "report/motion_page.h"
@@ -100,9 +101,7 @@ static mukca_status read_runs(cli_call *call, mukca_run *run, const mukca_run_op
             next->role = roles[k];
             const char *path = lists[k]->items[i];
             const mukca_chain *chain = &call->session->model.chain;
-            const mukca_status status =
-                mukca_run_load(next, &call->pool, path, chain, o, &call->error);
-            if (status != MUKCA_OK) return status;
+            MUKCA_TRY(mukca_run_load(next, &call->pool, path, chain, o, &call->error));
             if (next->current != run[0].current)
                 return cli_fail(
                     call, MUKCA_INPUT, "%s has motor currents, %s torques; give runs of one kind",
@@ -130,15 +129,6 @@ static const char *const parameters[MUKCA_MOTION_EFFECTS] = {
     [MUKCA_MOTION_DELAY] = "time",          [MUKCA_MOTION_SPRING] = "stiffness",
     [MUKCA_MOTION_COGGING] = "amplitude",   [MUKCA_MOTION_THERMAL_FRICTION] = "torque"};
 
-/* What the model has of an effect on a drive; 0: nothing. */
-static double of_drive(const mukca_drives *d, int effect, int joint)
-{
-    return effect == MUKCA_MOTION_COULOMB    ? d->coulomb[joint]
-           : effect == MUKCA_MOTION_VISCOUS  ? d->viscous[joint]
-           : effect == MUKCA_MOTION_ARMATURE ? d->armature[joint]
-                                             : 0;
-}
-
 static void write_parameter(cli_call *call, FILE *stream, const mukca_motion_alternative *a,
                             int joint, const table_parameter *p)
 {
@@ -154,10 +144,11 @@ static void write_alternative(cli_call *call, FILE *stream, const mukca_motion_a
 {
     const mukca_motion *m = &((const motion_work *)call->work)->motion;
     const mukca_torque_effect *row = &mukca_torque_table[a->effect];
+    const double *nominal = mukca_drives_of(&m->drives, a->effect),
+                 *fitted = mukca_drives_of(&m->fitted, a->effect);
     for (int j = a->all ? 0 : a->from; j <= (a->all ? m->n_joints - 1 : a->to); j++) {
         table_parameter p = {parameters[a->effect], row->unit, a->amplitude, .finding = finding};
-        p.nominal = of_drive(&m->drives, a->effect, j);
-        p.fitted = of_drive(&m->fitted, a->effect, j);
+        if (nominal) p.nominal = nominal[j], p.fitted = fitted[j];
         if (!row->links) write_parameter(call, stream, a, j, &p);
         for (int i = 0; i < MUKCA_INERTIAL && row->links; i++) {
             const char *unit = i == 0 ? "kg" : i < 4 ? "kg*m" : "kg*m^2";
@@ -226,23 +217,19 @@ static mukca_status run(cli_call *call)
     w->input.chain = &model->chain;
     w->input.run = runs;
     w->input.notes = cli_notes(call);
-    mukca_status status = read_by_joint(how.gain, call, "current-gain", o->gain);
-    if (status == MUKCA_OK) status = read_by_joint(how.stiffness, call, "kp", o->stiffness);
-    if (status == MUKCA_OK) status = disable(w->input.disabled, call, o->without);
-    if (status == MUKCA_OK) status = cli_read_format(call, &how.format);
-    if (status == MUKCA_OK)
-        status = mukca_drives_read(&w->input.drives, o->mjcf ? o->mjcf : call->common->arm.urdf,
-                                   &model->chain, &call->error);
-    if (status == MUKCA_OK) status = read_runs(call, runs, &how);
-    if (status != MUKCA_OK) return status;
-    w->input.current = runs[0].current;
+    MUKCA_TRY(read_by_joint(how.gain, call, "current-gain", o->gain));
+    MUKCA_TRY(read_by_joint(how.stiffness, call, "kp", o->stiffness));
+    MUKCA_TRY(disable(w->input.disabled, call, o->without));
+    MUKCA_TRY(cli_read_format(call, &how.format));
+    MUKCA_TRY(mukca_drives_read(&w->input.drives, o->mjcf ? o->mjcf : call->common->arm.urdf,
+                                &model->chain, &call->error));
+    MUKCA_TRY(read_runs(call, runs, &how));
     w->input.progress = cli_show_progress;
     w->input.progress_context = call;
     if (o->report) w->input.view = view;
-    status = mukca_motion_analyse(&w->motion, &w->input, &call->error);
-    if (status == MUKCA_OK && call->common->output)
-        status = cli_write(call, call->common->output, write_table);
-    return status == MUKCA_OK && o->report ? cli_write(call, o->report, write_page) : status;
+    MUKCA_TRY(mukca_motion_analyse(&w->motion, &w->input, &call->error));
+    if (call->common->output) MUKCA_TRY(cli_write(call, call->common->output, write_table));
+    return o->report ? cli_write(call, o->report, write_page) : MUKCA_OK;
 }
 
 /* ---- screen ---- */

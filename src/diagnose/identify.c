@@ -52,12 +52,6 @@ void mukca_identify_fit(mukca_search *id, const mukca_causes *set)
     mukca_regression_fit(id->m, 3, MUKCA_FIT_ALL);
 }
 
-int mukca_by_odds(const void *a, const void *b)
-{
-    const mukca_ranked *x = a, *y = b;
-    return x->odds != y->odds ? (x->odds < y->odds) - (x->odds > y->odds) : x->index - y->index;
-}
-
 /* Add the candidates with the best scores of the last scan to those kept. */
 static void keep_best(mukca_search *id, int most)
 {

@@ -15,14 +15,6 @@ typedef struct {
     int index;                      /* of the last search's sets */
 } mukca_causes;
 
-typedef struct {
-    double odds;
-    int index;
-} mukca_ranked;
-
-/* Order by falling odds, for qsort(). */
-int mukca_by_odds(const void *a, const void *b);
-
 enum { MUKCA_PASSES = 6 };
 
 typedef struct {

@@ -255,3 +255,9 @@ int mukca_sets_insert(mukca_sets *s, const int *item, const double *size, int n)
     if (index >= 0) mukca_sets_evaluate(s, index);
     return index;
 }
+
+int mukca_by_odds(const void *a, const void *b)
+{
+    const mukca_ranked *x = a, *y = b;
+    return x->odds != y->odds ? (x->odds < y->odds) - (x->odds > y->odds) : x->index - y->index;
+}

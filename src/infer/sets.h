@@ -100,6 +100,13 @@ bool mukca_sets_evaluate_all(mukca_sets *sets, const int *index, int n);
 /* Score all items in addition to a set: sets->added[].  False: no memory, or not positive. */
 bool mukca_sets_weigh(mukca_sets *sets, const mukca_set *set);
 
+/* An item or a set; order by falling odds, for qsort(). */
+typedef struct {
+    double odds;
+    int index;
+} mukca_ranked;
+int mukca_by_odds(const void *a, const void *b);
+
 /* Log Bayes factor of an item in addition to the set weighed last, which lacks it. */
 double mukca_sets_gain(const mukca_sets *sets, const mukca_set *set, int item);
 

@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/order.h"
+
 static void number_labels(mukca_torque_posterior *p)
 {
     const mukca_torque_search *s = p->search;
@@ -105,11 +107,7 @@ static void decide(mukca_motion *m)
                                              : MUKCA_MOTION_TIED;
 }
 
-static int by_size(const void *a, const void *b)
-{
-    const mukca_motion_finding *x = a, *y = b;
-    return (x->size_percent < y->size_percent) - (x->size_percent > y->size_percent);
-}
+MUKCA_FALLING(by_size, mukca_motion_finding, size_percent)
 
 static bool find_all(mukca_motion *motion, mukca_torque_search *search, mukca_pool *pool)
 {

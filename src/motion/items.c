@@ -168,7 +168,7 @@ static void list_parameters(lister *l)
         put_torque(l, j, MUKCA_CURRENT_GAIN);
         end_column(l);
     }
-    if (l->input->current && !l->reference) { /* all gains alike */
+    if (l->input->run[0].current && !l->reference) { /* all gains alike */
         for (int j = 0; j < l->n; j++) put_torque(l, j, MUKCA_CURRENT_GAIN);
         end_column(l);
         l->out->n_gains++;
@@ -248,12 +248,8 @@ static double scale_of(const lister *l, const mukca_torque_effect *e, int joint)
 /* Is it friction or armature that the model omits?  No drive is without. */
 static bool is_omitted(const lister *l, int e, int joint)
 {
-    const mukca_drives *d = &l->input->drives;
-    const double *of = e == MUKCA_MOTION_COULOMB    ? d->coulomb
-                       : e == MUKCA_MOTION_VISCOUS  ? d->viscous
-                       : e == MUKCA_MOTION_ARMATURE ? d->armature
-                                                    : NULL;
-    return of && !l->reference && !(of[joint] > 0);
+    const double *model = mukca_drives_of(&l->input->drives, e);
+    return model && !l->reference && !(model[joint] > 0);
 }
 
 /* Begin an item of row e at the joints from .. to; its columns follow. */

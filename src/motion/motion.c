@@ -149,19 +149,18 @@ static mukca_status analyse(mukca_motion *m, mukca_torque_search *search, mukca_
                             mukca_pool *pool, mukca_pool *products, mukca_error *error)
 {
     mukca_torques *t = search->t;
-    const mukca_motion_input *in = t->input;
     MUKCA_TRY(prepare(t, signals, pool, error));
     for (int pass = 0; pass == 0 || (pass == 1 && search->loads); pass++) {
         if (pass) memcpy(t->model.load, t->point.load, sizeof t->model.load); /* as was found */
         mukca_torque_search_free(search);
         mukca_pool_free(products);
-        MUKCA_TRY(watch(in, 0.1 + 0.3 * pass, error));
+        MUKCA_TRY(watch(t->input, 0.1 + 0.3 * pass, error));
         MUKCA_TRY(mukca_raw_products_make(t->part, products, &t->model, error));
-        if (!mukca_items_list(&t->items, &search->columns, in, &t->model, &t->point))
+        if (!mukca_items_list(&t->items, &search->columns, t->input, &t->model, &t->point))
             return mukca_fail(error, MUKCA_MEMORY, "out of memory for the effects");
         MUKCA_TRY(mukca_torque_search_run(search, pool, error));
     }
-    MUKCA_TRY(watch(in, 0.7, error));
+    MUKCA_TRY(watch(t->input, 0.7, error));
     MUKCA_TRY(mukca_torque_findings(m, search, error));
     summarise(m, t);
     return MUKCA_OK;

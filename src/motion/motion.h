@@ -23,7 +23,7 @@ typedef struct {
     int n;
     double *time;       /* [n] s */
     double *q, *effort; /* [n][n_joints] rad, N m */
-    bool current;       /* its efforts were motor currents */
+    bool current;       /* motor currents times a gain, uncertain by MUKCA_CURRENT_GAIN */
 } mukca_run;
 
 /* Friction and inertia of the drives, about the joint, as the model has them; 0: none. */
@@ -42,12 +42,10 @@ typedef bool mukca_motion_view(void *context, const struct mukca_torques *torque
 typedef struct {
     const mukca_chain *chain;
     mukca_drives drives;
-    const mukca_run *run;
+    const mukca_run *run; /* all or none with currents */
     int n_runs;
     bool disabled[MUKCA_MOTION_EFFECTS]; /* effects outside the catalogue of this analysis */
-    bool current;            /* torques are motor currents times a nominal gain, uncertain by
-                                MUKCA_CURRENT_GAIN */
-    mukca_motion_view *view; /* or NULL */
+    mukca_motion_view *view;             /* or NULL */
     bool (*progress)(void *context, double share, const char *doing); /* or NULL; false: stop */
     void *progress_context;
     mukca_notes notes;

@@ -137,6 +137,13 @@ void mukca_raw_interpolate(double value[MUKCA_SHIFTS], double slope[MUKCA_SHIFTS
     }
 }
 
+const double *mukca_drives_of(const mukca_drives *d, int effect)
+{
+    if (effect == MUKCA_MOTION_COULOMB) return d->coulomb;
+    if (effect == MUKCA_MOTION_VISCOUS) return d->viscous;
+    return effect == MUKCA_MOTION_ARMATURE ? d->armature : NULL;
+}
+
 void mukca_raw_nominal(double *torque, const mukca_raw_model *m, const mukca_drives *d, int j)
 {
     const int n = m->signals->n_joints;

@@ -93,6 +93,9 @@ void mukca_raw_fill(double *x, int ld, const mukca_raw_model *model, const mukca
  * its derivative: Lagrange's polynomials. */
 void mukca_raw_interpolate(double value[MUKCA_SHIFTS], double slope[MUKCA_SHIFTS], double x);
 
+/* The member [n_joints] that an effect adds to; NULL: none. */
+const double *mukca_drives_of(const mukca_drives *drives, int effect);
+
 /* The nominal torque as raw coefficients torque[width] of a joint, without the measured one. */
 void mukca_raw_nominal(double *torque, const mukca_raw_model *model, const mukca_drives *drives,
                        int joint);

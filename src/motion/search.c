@@ -21,20 +21,8 @@ enum {
 /* Delay that is settled, s: far below the step of any controller. */
 #define SETTLED 2e-4
 
-typedef struct {
-    double odds;
-    int index;
-} ranked;
-
-static int by_odds(const void *a, const void *b)
-{
-    const ranked *x = a, *y = b;
-    if (x->odds != y->odds) return (x->odds < y->odds) - (x->odds > y->odds);
-    return x->index - y->index;
-}
-
 /* Score all items beside a set that is held. */
-static bool score(ranked *out, const mukca_torques *t, const mukca_torque_set *held)
+static bool score(mukca_ranked *out, const mukca_torques *t, const mukca_torque_set *held)
 {
     const mukca_items *all = &t->items;
     bool ok = true;
@@ -49,7 +37,8 @@ static bool score(ranked *out, const mukca_torques *t, const mukca_torque_set *h
         ok = !pool.failed &&
              mukca_torques_ask(&question, own, &pool, t, item, n, held, &mukca_torques_whole) &&
              mukca_sets_create(sets, &pool, &question) && mukca_sets_weigh(sets, &sets->set[0]);
-        for (int i = 0; i < n && ok; i++) out[first + i] = (ranked){sets->added[i], first + i};
+        for (int i = 0; i < n && ok; i++)
+            out[first + i] = (mukca_ranked){sets->added[i], first + i};
         first += n;
         mukca_pool_free(&pool);
     }
@@ -64,13 +53,13 @@ static bool holds(const mukca_torque_set *set, int item)
 }
 
 /* Keep the best items, those of the set, and the best without a set. */
-static void keep(mukca_torque_search *s, ranked *alone, ranked *beside,
+static void keep(mukca_torque_search *s, mukca_ranked *alone, mukca_ranked *beside,
                  const mukca_torque_set *best)
 {
     const int n = s->t->items.n_items;
     unsigned char *in = MUKCA_TAKE(&s->pool, unsigned char, n);
     if (!in) return;
-    qsort(beside, (size_t)n, sizeof *beside, by_odds);
+    qsort(beside, (size_t)n, sizeof *beside, mukca_by_odds);
     for (int i = 0; i < n; i++) in[beside[i].index] |= i < KEPT / 2 || holds(best, beside[i].index);
     for (int i = 0; i < n && i < KEPT / 2; i++) in[alone[i].index] = 1;
     s->n_kept = 0;
@@ -113,16 +102,16 @@ static bool begin(mukca_torque_search *s, const mukca_part_weights *parts)
 static void average(mukca_torque_search *s)
 {
     mukca_sets *sets = &s->sets;
-    ranked *order = MUKCA_TAKE(&s->pool, ranked, sets->n_sets);
+    mukca_ranked *order = MUKCA_TAKE(&s->pool, mukca_ranked, sets->n_sets);
     if (!order) return;
-    for (int i = 0; i < sets->n_sets; i++) order[i] = (ranked){sets->set[i].value, i};
-    qsort(order, (size_t)sets->n_sets, sizeof *order, by_odds);
+    for (int i = 0; i < sets->n_sets; i++) order[i] = (mukca_ranked){sets->set[i].value, i};
+    qsort(order, (size_t)sets->n_sets, sizeof *order, mukca_by_odds);
     for (int i = 0; i < sets->n_sets; i++) {
         if (i < 2 * MUKCA_TORQUE_SETS && order[i].odds > order[0].odds - WINDOW)
             mukca_sets_evaluate(sets, order[i].index);
         order[i].odds = sets->set[order[i].index].value;
     }
-    qsort(order, (size_t)sets->n_sets, sizeof *order, by_odds);
+    qsort(order, (size_t)sets->n_sets, sizeof *order, mukca_by_odds);
     for (s->n_sets = 0; s->n_sets < sets->n_sets && s->n_sets < MUKCA_TORQUE_SETS &&
                         order[s->n_sets].odds > order[0].odds - WINDOW;
          s->n_sets++)
@@ -197,7 +186,8 @@ mukca_status mukca_torque_search_run(mukca_torque_search *s, mukca_pool *pool, m
     mukca_torques *t = s->t;
     mukca_torque_set best = {0}, none = {0};
     const int n = t->items.n_items;
-    ranked *alone = MUKCA_TAKE(pool, ranked, n), *beside = MUKCA_TAKE(pool, ranked, n);
+    mukca_ranked *alone = MUKCA_TAKE(pool, mukca_ranked, n),
+                 *beside = MUKCA_TAKE(pool, mukca_ranked, n);
     s->kept = MUKCA_TAKE(pool, int, n);
     bool ok = !pool->failed && mukca_torques_measure_noise(t, &none);
     for (int pass = 0, settled = 0; ok; pass++) {
@@ -205,7 +195,7 @@ mukca_status mukca_torque_search_run(mukca_torque_search *s, mukca_pool *pool, m
         mukca_pool_free(&s->pool);
         ok = score(alone, t, &none) && score(beside, t, &best);
         if (!ok) break;
-        qsort(alone, (size_t)n, sizeof *alone, by_odds);
+        qsort(alone, (size_t)n, sizeof *alone, mukca_by_odds);
         keep(s, alone, beside, &best);
         ok = begin(s, &mukca_torques_whole);
         if (!ok) break;

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/order.h"
 #include "math/dense.h"
 #include "math/stats.h"
 #include "motion/findings.h"
@@ -108,11 +109,7 @@ static void find_worst(mukca_motion *motion, measured *w, double *scratch)
     }
 }
 
-static int by_probability(const void *a, const void *b)
-{
-    const mukca_motion_alternative *x = a, *y = b;
-    return (x->probability < y->probability) - (x->probability > y->probability);
-}
+MUKCA_FALLING(by_probability, mukca_motion_alternative, probability)
 
 static const mukca_torque_effect *row_of(const measured *w, const mukca_set *set, int member)
 {
@@ -182,7 +179,7 @@ static double scale_of(const mukca_torque_posterior *p, int effect)
 {
     const bool share = effect >= 0 && !strpbrk(mukca_torque_table[effect].unit, "Nk");
     if (effect == MUKCA_MOTION_LOAD_FRICTION) return MUKCA_MASS_ERROR;
-    return p->search->t->input->current && !share ? MUKCA_CURRENT_GAIN : 0;
+    return p->search->t->input->run[0].current && !share ? MUKCA_CURRENT_GAIN : 0;
 }
 
 /* What a rigid effect adds to the parameters of its link: its columns there. */

@@ -9,6 +9,7 @@
 #                                  nothing but notes
 #   doubt PATTERN ARGS...          it returns 1, and what it prints matches
 #   expect NAME COMMAND...         the command succeeds
+#   interrupted ARGS...            it stops at an interrupt, and writes nothing
 set -u
 here=$(cd "$(dirname "$0")" && pwd)
 root=$(cd "$here/../.." && pwd)
@@ -109,6 +110,20 @@ answer() {
 }
 
 doubt() { ! says 1 'out err' "$@" || pass "doubts: mukca $*"; }
+
+# interrupted in the middle of a command that takes its time: exit 130, one line, no file
+interrupted() {
+    "$MUKCA" "$@" -q -o never.tsv 2>err &
+    process=$!
+    # until the program, not yet the shell before it, catches SIGINT, which is bit 1 of this mask
+    until [ /proc/$process/exe -ef "$MUKCA" ] || ! kill -0 $process; do sleep 0.02; done
+    until grep -q '^SigCgt:.*[2367abef]$' /proc/$process/status || ! kill -0 $process; do sleep 0.02; done
+    kill -s INT $process
+    wait $process
+    code=$?
+    expect "interrupted: mukca $1: exit 130, one line, no file" test \
+        "$code $(cat err) $(find . -name '*never*')" = "130 mukca $1: interrupted "
+}
 
 expect() {
     name=$1

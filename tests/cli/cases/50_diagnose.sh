@@ -74,18 +74,9 @@ simulate --seed 7 --placements 4 --rows 3 -o short.tsv
 run $d short.tsv --json - -q
 expect "too few postures for halves: no finding" sh -c "tr -d ' \n' <'$scratch/out' | grep -q '\"findings\":\[\]'"
 
-# interrupted in the middle: exit 130, one line, no file
+# interrupted in the middle
 simulate --poses 60000 --effect joint_scale:joint_2=1e-3 -o log.tsv
-"$MUKCA" $d log.tsv -q -o never.tsv 2>err &
-process=$!
-# until the program, not yet the shell before it, catches SIGINT, which is bit 1 of this mask
-until [ /proc/$process/exe -ef "$MUKCA" ] || ! kill -0 $process; do sleep 0.02; done
-until grep -q '^SigCgt:.*[2367abef]$' /proc/$process/status || ! kill -0 $process; do sleep 0.02; done
-kill -s INT $process
-wait $process
-code=$?
-expect "interrupted: exit 130, one line, no file" test "$code $(cat err) $(find . -name '*never*')" = \
-    "130 mukca diagnose: interrupted "
+interrupted $d log.tsv
 
 # a lag towards the command, where a command is missing
 simulate --seed 3 --placements 4 --command -o plain.tsv

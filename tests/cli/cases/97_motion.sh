@@ -32,16 +32,7 @@ refuse 2 "no value for joint_1" motion --urdf motion.urdf new.tsv --kp joint_2=1
 spoilt 'refuse 3' "no column joint_1.effort" sed '1,/^time_s/s/\.effort/.torque/g' new.tsv
 spoilt 'refuse 3' "no column time_s" sed '1,/^time_s/s/time_s/t/' new.tsv
 spoilt 'refuse 3' "the time falls by" awk '/^[0-9]/ && NR > 900 { $1 -= 20 } { print }' OFS='\t' new.tsv
-# interrupted before the comparison of sets
-"$MUKCA" motion --urdf motion.urdf new.tsv -q -o never.tsv 2>err &
-process=$!
-until [ /proc/$process/exe -ef "$MUKCA" ] || ! kill -0 $process; do sleep 0.02; done
-until grep -q '^SigCgt:.*[2367abef]$' /proc/$process/status || ! kill -0 $process; do sleep 0.02; done
-kill -s INT $process
-wait $process
-code=$?
-expect "interrupted: exit 130, one line, no file" test "$code $(cat err) $(find . -name '*never*')" = \
-    "130 mukca motion: interrupted "
+interrupted motion --urdf motion.urdf new.tsv
 # joint states: lines of ros2 topic echo --csv, JSON, a log of lcm-logger; recorded velocities
 cat >states.py <<'PY'
 import struct, sys
