@@ -116,7 +116,7 @@ interrupted() {
     "$MUKCA" "$@" -q -o never.tsv 2>err &
     process=$!
     # until the program, not yet the shell before it, catches SIGINT, which is bit 1 of this mask
-    until [ /proc/$process/exe -ef "$MUKCA" ] || ! kill -0 $process; do sleep 0.02; done
+    until [ "$(readlink -f /proc/$process/exe)" = "$(readlink -f "$MUKCA")" ] || ! kill -0 $process; do sleep 0.02; done
     until grep -q '^SigCgt:.*[2367abef]$' /proc/$process/status || ! kill -0 $process; do sleep 0.02; done
     kill -s INT $process
     wait $process
