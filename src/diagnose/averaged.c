@@ -28,7 +28,7 @@ typedef struct {
 } selection;
 
 typedef struct {
-    const mukca_search *id;
+    const mukca_search *search;
     bool every; /* all causes of the catalogue are applied, not only those named */
     int n, candidate[MUKCA_MAX_ACCEPTED]; /* the named causes */
     double scale[MUKCA_MAX_ACCEPTED], weight[MUKCA_MAX_ACCEPTED];
@@ -40,10 +40,10 @@ typedef struct {
  * functions fit these samples, but do not predict others. */
 static bool is_named(const naming *all, const mukca_candidate *h)
 {
-    const mukca_search *id = all->id;
-    const mukca_diagnosis *d = id->diagnosis;
+    const mukca_search *search = all->search;
+    const mukca_diagnosis *d = search->diagnosis;
     if (h->kind != MUKCA_CANDIDATE_EFFECT) return false;
-    const mukca_label label = mukca_candidate_label(h, &id->m->recording, &id->m->unknowns);
+    const mukca_label label = mukca_candidate_label(h, &search->m->recording, &search->m->unknowns);
     bool named = all->every;
     for (int f = 0; f < d->n_findings && !named; f++)
         named = mukca_finding_holds(&d->findings[f].group, &label);
@@ -106,7 +106,7 @@ static bool set_models(mukca_unknowns *u, const naming *all)
     for (int i = 0; i < all->n; i++) {
         bool used = false;
         for (int k = 0; k < all->n_selections; k++) used |= all->list[k].in >> i & 1;
-        if (!used || !mukca_unknowns_add(u, &all->id->all.list[all->candidate[i]])) continue;
+        if (!used || !mukca_unknowns_add(u, &all->search->all.list[all->candidate[i]])) continue;
         mukca_accepted *cause = &u->cause[u->n_causes - 1];
         cause->scale = all->scale[i];
         cause->sized = true;
@@ -136,17 +136,17 @@ static bool drop_negative(mukca_unknowns *u)
     return u->n_causes < before;
 }
 
-static void fit(mukca_regression *m, const mukca_search *id, bool every)
+static void fit(mukca_regression *m, const mukca_search *search, bool every)
 {
     naming *all = MUKCA_TAKE(&m->pool, naming, 1);
     if (!all) return; /* the pool keeps the failure */
-    all->id = id;
+    all->search = search;
     all->every = every;
-    for (int s = 0; s < id->n_sets; s++) {
-        const mukca_causes *set = &id->set[s];
+    for (int s = 0; s < search->n_sets; s++) {
+        const mukca_causes *set = &search->set[s];
         uint64_t in = 0;
         for (int k = 0; k < set->n; k++)
-            if (is_named(all, &id->all.list[set->candidate[k]]))
+            if (is_named(all, &search->all.list[set->candidate[k]]))
                 in |= bit_of(all, set->candidate[k], set->scale[k]);
         for (int i = 0; i < all->n; i++)
             if (in >> i & 1) all->weight[i] += set->weight;
@@ -159,24 +159,25 @@ static void fit(mukca_regression *m, const mukca_search *id, bool every)
     mukca_regression_linearise(m);
 }
 
-mukca_status mukca_averaged_fit(mukca_regression *m, mukca_search *id, mukca_error *error)
+mukca_status mukca_averaged_fit(mukca_regression *m, mukca_search *search, mukca_error *error)
 {
     mukca_shrink gain = {0};
     mukca_unknowns kept;
     mukca_folds b = {.m = m};
     double *before = MUKCA_TAKE(&m->pool, double, m->recording.data->n_rows);
-    fit(m, id, false);
-    if (id->options->no_folds || id->diagnosis->verdict == MUKCA_VERDICT_NONE) return MUKCA_OK;
+    fit(m, search, false);
+    if (search->options->no_folds || search->diagnosis->verdict == MUKCA_VERDICT_NONE)
+        return MUKCA_OK;
     mukca_folds_create(&b);
     if (m->pool.failed || mukca_folds_assign(b.fold, m, false) < 2 ||
         !mukca_unknowns_clone(&kept, &m->pool, &m->unknowns))
         return MUKCA_OK; /* the pool keeps a failure */
     mukca_folds_run(before, &b, false);
-    if (mukca_verdict_probability(id, MUKCA_CLASS_UNKNOWN) >= NEGLIGIBLE) {
-        MUKCA_TRY(mukca_identify_listed(id, error));
-        mukca_identify_settle(id);
+    if (mukca_verdict_probability(search, MUKCA_CLASS_UNKNOWN) >= NEGLIGIBLE) {
+        MUKCA_TRY(mukca_identify_listed(search, error));
+        mukca_identify_settle(search);
     }
-    fit(m, id, true);
+    fit(m, search, true);
     mukca_folds_run(b.error, &b, false);
     mukca_folds_compare(&gain, &b, before, b.error);
     if (gain.low_percent > 0 && gain.folds_better >= CONSISTENT * gain.folds) return MUKCA_OK;

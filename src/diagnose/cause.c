@@ -56,25 +56,27 @@ static void measure(mukca_cause *out, mukca_regression *m, int index)
         out->low = fmax(out->low, 0);
 }
 
-double mukca_cause_gain(mukca_search *id, const mukca_causes *set, int member)
+double mukca_cause_gain(mukca_search *search, const mukca_causes *set, int member)
 {
     int others[MUKCA_SET_ITEMS] = {0}, n = 0, own = -1; /* items of the last search */
-    for (int k = 0; k < id->n_kept; k++)
+    for (int k = 0; k < search->n_kept; k++)
         for (int i = 0; i < set->n; i++)
-            if (set->candidate[i] == id->kept[k]) *(i == member ? &own : &others[n++]) = k;
-    const int at = mukca_sets_insert(&id->sets, others, NULL, n);
-    const mukca_set *rest = &id->sets.set[at < 0 ? 0 : at];
-    return own >= 0 && mukca_sets_weigh(&id->sets, rest) ? mukca_sets_gain(&id->sets, rest, own)
-                                                         : -HUGE_VAL;
+            if (set->candidate[i] == search->kept[k]) *(i == member ? &own : &others[n++]) = k;
+    const int at = mukca_sets_insert(&search->sets, others, NULL, n);
+    const mukca_set *rest = &search->sets.set[at < 0 ? 0 : at];
+    return own >= 0 && mukca_sets_weigh(&search->sets, rest)
+               ? mukca_sets_gain(&search->sets, rest, own)
+               : -HUGE_VAL;
 }
 
-bool mukca_cause_is_in(const mukca_search *id, const mukca_causes *set,
+bool mukca_cause_is_in(const mukca_search *search, const mukca_causes *set,
                        const mukca_finding_group *group)
 {
     for (int k = 0; k < set->n; k++) {
-        const mukca_candidate *h = &id->all.list[set->candidate[k]];
+        const mukca_candidate *h = &search->all.list[set->candidate[k]];
         if (mukca_candidate_class(h) == MUKCA_CLASS_OUTLIER) continue;
-        const mukca_label label = mukca_candidate_label(h, &id->m->recording, &id->m->unknowns);
+        const mukca_label label =
+            mukca_candidate_label(h, &search->m->recording, &search->m->unknowns);
         if (mukca_finding_holds(group, &label)) return true;
     }
     return false;
@@ -82,12 +84,12 @@ bool mukca_cause_is_in(const mukca_search *id, const mukca_causes *set,
 
 /* Weight of the sets with a cause that a report calls the same: one effect at one joint or socket;
  * orders of ripple that a joint's travel cannot tell apart are the same. */
-static double probability_of(const mukca_search *id, const mukca_label *label)
+static double probability_of(const mukca_search *search, const mukca_label *label)
 {
     const mukca_finding_group same = mukca_finding_alone(label);
     double sum = 0;
-    for (int i = 0; i < id->n_sets; i++)
-        if (mukca_cause_is_in(id, &id->set[i], &same)) sum += id->set[i].weight;
+    for (int i = 0; i < search->n_sets; i++)
+        if (mukca_cause_is_in(search, &search->set[i], &same)) sum += search->set[i].weight;
     return fmin(sum, 1);
 }
 
@@ -132,16 +134,17 @@ static void add_ties(mukca_cause *out, const mukca_finding *f)
                       (!out->n_ties && f->group.probability - out->probability > MUKCA_DOUBT);
 }
 
-void mukca_cause_describe(mukca_cause *out, mukca_search *id, const mukca_causes *best, int member)
+void mukca_cause_describe(mukca_cause *out, mukca_search *search, const mukca_causes *best,
+                          int member)
 {
-    const mukca_recording *recording = &id->m->recording;
-    const mukca_candidate *h = &id->all.list[best->candidate[member]];
-    const mukca_label label = mukca_candidate_label(h, recording, &id->m->unknowns);
-    const mukca_finding *f = finding_of(id->diagnosis, &label);
+    const mukca_recording *recording = &search->m->recording;
+    const mukca_candidate *h = &search->all.list[best->candidate[member]];
+    const mukca_label label = mukca_candidate_label(h, recording, &search->m->unknowns);
+    const mukca_finding *f = finding_of(search->diagnosis, &label);
     *out = (mukca_cause){.effect = mukca_candidate_effect(h),
                          .socket = -1,
-                         .log_bayes_factor = mukca_cause_gain(id, best, member),
-                         .probability = probability_of(id, &label),
+                         .log_bayes_factor = mukca_cause_gain(search, best, member),
+                         .probability = probability_of(search, &label),
                          .held_out = MUKCA_SHRINK_NONE,
                          .rung_m = NAN};
     add_ties(out, f);
@@ -151,5 +154,5 @@ void mukca_cause_describe(mukca_cause *out, mukca_search *id, const mukca_causes
         out->file = recording->data->file[h->fault.first];
         out->creep = h->fault.shape == MUKCA_FAULT_GROWING;
     }
-    measure(out, id->m, member);
+    measure(out, search->m, member);
 }

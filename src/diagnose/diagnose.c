@@ -76,27 +76,28 @@ static void set_untestable(mukca_diagnosis *d, mukca_regression *m, const char *
 static mukca_status identify(mukca_diagnosis *d, mukca_regression *m,
                              const mukca_diagnose_options *options, mukca_error *error)
 {
-    mukca_search *id = MUKCA_TAKE(&m->pool, mukca_search, 1);
-    if (!id) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the candidates");
-    *id = (mukca_search){.m = m, .diagnosis = d, .options = options};
-    mukca_status status = mukca_identify_run(id, error);
-    if (status == MUKCA_OK) status = mukca_findings_reach(d, id, error);
-    if (status == MUKCA_OK) mukca_identify_settle(id);
+    mukca_search *search = MUKCA_TAKE(&m->pool, mukca_search, 1);
+    if (!search) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the candidates");
+    *search = (mukca_search){.m = m, .diagnosis = d, .options = options};
+    mukca_status status = mukca_identify_run(search, error);
+    if (status == MUKCA_OK) status = mukca_findings_reach(d, search, error);
+    if (status == MUKCA_OK) mukca_identify_settle(search);
     d->score = mukca_regression_score(m);
     const mukca_noise_family *family = &m->evidence.normal[m->unknowns.family].whitening.family;
     d->sigma_m = m->unknowns.sigma;
     d->rho = family->rho;
     d->shared = family->shared;
     if (status == MUKCA_OK && d->sigma_m < MUKCA_MOST_SIGMA) {
-        mukca_verdict_reach(d, id);
+        mukca_verdict_reach(d, search);
         if (d->unexplained || d->verdict == MUKCA_VERDICT_UNKNOWN)
             d->structure_m = mukca_held_out_structure(m);
-        status = mukca_averaged_fit(m, id, error);
-        if (id->pool.failed) status = mukca_fail(error, MUKCA_MEMORY, "out of memory for causes");
+        status = mukca_averaged_fit(m, search, error);
+        if (search->pool.failed)
+            status = mukca_fail(error, MUKCA_MEMORY, "out of memory for causes");
     } else if (status == MUKCA_OK) {
         set_untestable(d, m, does_not_fit);
     }
-    mukca_identify_free(id);
+    mukca_identify_free(search);
     return status;
 }
 

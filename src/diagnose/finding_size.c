@@ -25,7 +25,7 @@
 #define ALTERNATIVE 0.05
 
 typedef struct {
-    mukca_search *id;
+    mukca_search *search;
     const mukca_labelled_search *in;
     mukca_question plain; /* independent noise: products are those of displacements */
     mukca_sets plain_sets;
@@ -40,14 +40,14 @@ typedef struct {
 /* Means, covariance and plain products of a set's columns. */
 static bool take_set(measured *w, const mukca_set *set, double *scratch)
 {
-    const mukca_search *id = w->id;
-    mukca_sets *sets = &w->id->sets;
-    double *block = id->scan.batch->scratch->B;
+    const mukca_search *search = w->search;
+    mukca_sets *sets = &w->search->sets;
+    double *block = search->scan.batch->scratch->B;
     mukca_sets_mean(scratch, sets, set);
     w->set = set;
     w->columns = mukca_sets_covariance(w->V, sets);
     for (int m = 0, row = 0; m < set->n; m++) {
-        const mukca_item *h = &id->question.item[set->item[m]];
+        const mukca_item *h = &search->question.item[set->item[m]];
         w->at[m] = row;
         for (int t = 0; t < h->terms; t++) w->mean[row++] = scratch[h->at + t];
     }
@@ -72,7 +72,7 @@ static int columns_of(int *index, const measured *w, const mukca_finding_group *
         const int member = w->in->label_of[w->set->item[m]];
         if (member < 0 || (label >= 0 ? member != label : !mukca_finding_holds(g, &l[member])))
             continue;
-        for (int t = 0; t < w->id->question.item[w->set->item[m]].terms; t++)
+        for (int t = 0; t < w->search->question.item[w->set->item[m]].terms; t++)
             index[n++] = w->at[m] + t;
     }
     return n;
@@ -116,15 +116,16 @@ static void add_size(mukca_gaussians *out, measured *w, const int *index, int n,
 static double add_coefficient(mukca_gaussians *out, measured *w, const int *index, int n, int item,
                               double weight)
 {
-    const mukca_candidate *h = &w->id->all.list[w->id->kept[item]];
+    const mukca_candidate *h = &w->search->all.list[w->search->kept[item]];
     const int reference = w->plain_of[item];
-    double *block = w->id->scan.batch->scratch->B, part[MUKCA_SET_COLUMNS] = {0}, square_of_column,
-           by_body[MUKCA_MOST_TERMS] = {0}, mean = 0, variance = 0, square = 0;
+    double *block = w->search->scan.batch->scratch->B, part[MUKCA_SET_COLUMNS] = {0},
+           square_of_column, by_body[MUKCA_MOST_TERMS] = {0}, mean = 0, variance = 0, square = 0;
     mukca_sets_products_of(block, &w->plain_sets, reference, reference);
     square_of_column = fmax(block[0], 1e-30);
     for (int m = 0; m < w->set->n; m++) {
         const int x = w->plain_of[w->set->item[m]], terms = w->plain.item[x].terms,
-                  own = mukca_candidate_own_terms(&w->id->all.list[w->id->kept[w->set->item[m]]]);
+                  own = mukca_candidate_own_terms(
+                      &w->search->all.list[w->search->kept[w->set->item[m]]]);
         mukca_sets_products_of(block, &w->plain_sets, reference, x);
         int first = -1; /* the group's own columns of this member */
         for (int i = 0; i < n; i++)
@@ -170,14 +171,14 @@ MUKCA_FALLING(by_probability, mukca_alternative, probability)
 /* Probability of each label, and its most probable candidate. */
 static void weigh_labels(double *probability, int *item, double *best, const measured *w)
 {
-    const mukca_search *id = w->id;
+    const mukca_search *search = w->search;
     const mukca_labelled_sets *p = &w->in->posterior;
     mukca_labels_weigh(probability, p);
     for (int s = 0; s < p->n_sets; s++) {
-        const mukca_set *set = &id->sets.set[id->set[s].index];
+        const mukca_set *set = &search->sets.set[search->set[s].index];
         for (int m = 0; m < set->n; m++) best[set->item[m]] += p->set[s].weight;
     }
-    for (int i = 0; i < id->n_kept; i++) {
+    for (int i = 0; i < search->n_kept; i++) {
         const int label = w->in->label_of[i];
         if (label >= 0 && (item[label] < 0 || best[i] > best[item[label]])) item[label] = i;
     }
@@ -203,8 +204,8 @@ static void find_time_constants(double range[2], const mukca_finding_group *g, c
                                 const tables *t)
 {
     double low = HUGE_VAL, high = 0;
-    for (int i = 0; i < w->id->n_kept; i++) {
-        const mukca_candidate *h = &w->id->all.list[w->id->kept[i]];
+    for (int i = 0; i < w->search->n_kept; i++) {
+        const mukca_candidate *h = &w->search->all.list[w->search->kept[i]];
         const int label = w->in->label_of[i];
         if (label < 0 || !(t->best[i] >= ALTERNATIVE) ||
             !mukca_finding_holds(g, &w->in->posterior.label[label]))
@@ -227,7 +228,7 @@ static void describe(mukca_finding *f, const measured *w, const tables *t)
         if (!mukca_finding_holds(&f->group, l)) continue;
         *(l->effect < 0 ? &outside : &inside) += t->probability[i];
         if (t->item[i] < 0 || !(t->probability[i] >= ALTERNATIVE) || n == 64) continue;
-        const mukca_candidate *h = &w->id->all.list[w->id->kept[t->item[i]]];
+        const mukca_candidate *h = &w->search->all.list[w->search->kept[t->item[i]]];
         mukca_alternative *a = &all[n++];
         *a = (mukca_alternative){.effect = mukca_candidate_effect(h),
                                  .listed = l->effect >= 0,
@@ -269,7 +270,7 @@ static int quantity_of(const mukca_finding *f, const measured *w, const tables *
             (best < 0 || t->probability[l] > t->probability[best]))
             best = l;
     if (best < 0 || p->label[best].effect < 0) return -1;
-    const mukca_candidate *h = &w->id->all.list[w->id->kept[t->item[best]]];
+    const mukca_candidate *h = &w->search->all.list[w->search->kept[t->item[best]]];
     return mukca_candidate_own_terms(h) == 1 && h->kind == MUKCA_CANDIDATE_EFFECT ? t->item[best]
                                                                                   : -1;
 }
@@ -298,7 +299,7 @@ static void add_all(measured *w, tables *t, mukca_diagnosis *d, double weight)
     for (int l = 0; l < p->n_labels; l++) {
         if (t->item[l] < 0 || p->label[l].effect < 0 || !(t->probability[l] >= ALTERNATIVE))
             continue;
-        const mukca_candidate *h = &w->id->all.list[w->id->kept[t->item[l]]];
+        const mukca_candidate *h = &w->search->all.list[w->search->kept[t->item[l]]];
         n = columns_of(index, w, NULL, l);
         if (n && mukca_candidate_own_terms(h) == 1)
             add_coefficient(&t->amplitude[l], w, index, n, t->item[l], weight);
@@ -310,41 +311,42 @@ static void add_all(measured *w, tables *t, mukca_diagnosis *d, double weight)
 /* The plain products of all candidates in the sets. */
 static bool make_plain(measured *w, mukca_pool *pool, int n_sets)
 {
-    mukca_search *id = w->id;
-    int *index = MUKCA_TAKE(pool, int, id->n_kept + 1), count = 0;
-    unsigned char *used = MUKCA_TAKE(pool, unsigned char, id->n_kept + 1);
-    w->plain_of = MUKCA_TAKE(pool, int, id->n_kept + 1);
+    mukca_search *search = w->search;
+    int *index = MUKCA_TAKE(pool, int, search->n_kept + 1), count = 0;
+    unsigned char *used = MUKCA_TAKE(pool, unsigned char, search->n_kept + 1);
+    w->plain_of = MUKCA_TAKE(pool, int, search->n_kept + 1);
     if (pool->failed) return false;
     for (int s = 0; s < n_sets; s++)
-        for (int m = 0; m < id->set[s].n; m++) used[id->sets.set[id->set[s].index].item[m]] = 1;
-    for (int i = 0; i < id->n_kept; i++) {
+        for (int m = 0; m < search->set[s].n; m++)
+            used[search->sets.set[search->set[s].index].item[m]] = 1;
+    for (int i = 0; i < search->n_kept; i++) {
         w->plain_of[i] = used[i] ? count : -1;
-        if (used[i]) index[count++] = id->kept[i];
+        if (used[i]) index[count++] = search->kept[i];
     }
-    id->m->unknowns.tails = NULL;
-    mukca_evidence_set_share(&id->m->evidence, 0);
+    search->m->unknowns.tails = NULL;
+    mukca_evidence_set_share(&search->m->evidence, 0);
     /* without causes: a turned frame that turns a wobble with it absorbs nothing */
-    mukca_regression_freeze(id->m);
-    return mukca_scan_aim(&id->scan, 0) &&
-           mukca_scan_question(&w->plain, &id->scan, pool, index, count) &&
-           mukca_scan_leave(&w->plain, &id->scan, pool) &&
+    mukca_regression_freeze(search->m);
+    return mukca_scan_aim(&search->scan, 0) &&
+           mukca_scan_question(&w->plain, &search->scan, pool, index, count) &&
+           mukca_scan_leave(&w->plain, &search->scan, pool) &&
            mukca_sets_create(&w->plain_sets, pool, &w->plain);
 }
 
-bool mukca_findings_measure(mukca_diagnosis *d, mukca_pool *pool, mukca_search *id,
+bool mukca_findings_measure(mukca_diagnosis *d, mukca_pool *pool, mukca_search *search,
                             const mukca_labelled_search *in)
 {
     const mukca_labelled_sets *p = &in->posterior;
     const int all = d->n_findings + d->n_maybe, square = MUKCA_SET_COLUMNS * MUKCA_SET_COLUMNS;
     if (!all) return true;
-    measured w = {.id = id,
+    measured w = {.search = search,
                   .in = in,
                   .V = MUKCA_TAKE(pool, double, square),
                   .G = MUKCA_TAKE(pool, double, square),
                   .product = MUKCA_TAKE(pool, double, 3 * square)};
     tables t = {.probability = MUKCA_TAKE(pool, double, p->n_labels + 1),
-                .best = MUKCA_TAKE(pool, double, id->n_kept + 1),
-                .scratch = MUKCA_TAKE(pool, double, id->question.stride + 1),
+                .best = MUKCA_TAKE(pool, double, search->n_kept + 1),
+                .scratch = MUKCA_TAKE(pool, double, search->question.stride + 1),
                 .item = MUKCA_TAKE(pool, int, p->n_labels + 1),
                 .size = MUKCA_TAKE(pool, mukca_gaussians, all + 1),
                 .coefficient = MUKCA_TAKE(pool, mukca_gaussians, all + 1),
@@ -360,10 +362,10 @@ bool mukca_findings_measure(mukca_diagnosis *d, mukca_pool *pool, mukca_search *
     for (int l = 0; l < p->n_labels; l++)
         if (t.item[l] >= 0 && w.plain_of[t.item[l]] < 0) t.item[l] = -1;
     for (int s = 0; s < n_sets; s++) {
-        if (!take_set(&w, &id->sets.set[id->set[s].index], t.scratch)) return false;
+        if (!take_set(&w, &search->sets.set[search->set[s].index], t.scratch)) return false;
         add_all(&w, &t, d, p->set[s].weight);
     }
-    const double scale = id->m->unknowns.sigma / sqrt(id->m->recording.n_samples);
+    const double scale = search->m->unknowns.sigma / sqrt(search->m->recording.n_samples);
     d->caused_m = mukca_gaussians_estimate(&t.size[all], scale, true).value;
     for (int i = 0; i < all; i++) {
         mukca_finding *f = finding_at(d, i);
@@ -373,7 +375,7 @@ bool mukca_findings_measure(mukca_diagnosis *d, mukca_pool *pool, mukca_search *
         if (t.weight[i] > 0 && t.fit[i] > ONE_QUANTITY * t.weight[i])
             f->coefficient = mukca_gaussians_estimate(&t.coefficient[i], 1, false);
         const int item = quantity_of(f, &w, &t);
-        if (item >= 0) f->quantity = mukca_candidate_effect(&id->all.list[id->kept[item]]);
+        if (item >= 0) f->quantity = mukca_candidate_effect(&search->all.list[search->kept[item]]);
     }
     return true;
 }

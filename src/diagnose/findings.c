@@ -20,13 +20,13 @@ enum { MOST_SETS = 400 };
 
 /* Number the labels of the items of the last search behind the first n of label[];
  * label_of[n_kept]: -1: outlier.  Returns the number of labels. */
-static int number_labels(mukca_label *label, int n, int *label_of, const mukca_search *id)
+static int number_labels(mukca_label *label, int n, int *label_of, const mukca_search *search)
 {
-    for (int i = 0; i < id->n_kept; i++) {
-        const mukca_candidate *h = &id->all.list[id->kept[i]];
+    for (int i = 0; i < search->n_kept; i++) {
+        const mukca_candidate *h = &search->all.list[search->kept[i]];
         label_of[i] = -1;
         if (mukca_candidate_class(h) == MUKCA_CLASS_OUTLIER) continue;
-        const mukca_label l = mukca_candidate_label(h, &id->m->recording, &id->m->unknowns);
+        const mukca_label l = mukca_candidate_label(h, &search->m->recording, &search->m->unknowns);
         label_of[i] = mukca_label_number(label, &n, &l);
     }
     return n;
@@ -111,18 +111,18 @@ static mukca_status no_memory(mukca_error *error)
 
 /* Search the halves, under the noise of the last search, and label their sets as the whole. */
 static mukca_status label_halves(mukca_labelled_sets out[MUKCA_HALVES], mukca_halves *halves,
-                                 mukca_pool *pool, mukca_search *id,
+                                 mukca_pool *pool, mukca_search *search,
                                  const mukca_labelled_search *whole, mukca_error *error)
 {
-    int *label = MUKCA_TAKE(pool, int, id->n_kept + 1);
+    int *label = MUKCA_TAKE(pool, int, search->n_kept + 1);
     if (pool->failed) return no_memory(error);
     for (int h = 0; h < MUKCA_HALVES; h++) {
         out[h] = whole->posterior;
         out[h].n_sets = 0;
     }
-    MUKCA_TRY(mukca_halves_search(halves, pool, id, error));
+    MUKCA_TRY(mukca_halves_search(halves, pool, search, error));
     for (int i = 0; i < halves->n_items; i++) label[i] = whole->label_of[halves->item_of[i]];
-    mukca_workers_run(id->m->recording.workers, halves->n, label_half,
+    mukca_workers_run(search->m->recording.workers, halves->n, label_half,
                       &(labelling){halves, out, label});
     for (int k = 0; k < MUKCA_MOST_WORKERS; k++) pool->failed |= halves->pool[k].failed;
     return MUKCA_OK;
@@ -130,25 +130,25 @@ static mukca_status label_halves(mukca_labelled_sets out[MUKCA_HALVES], mukca_ha
 
 /* The last search with labels.  Those of a search before it, in *whole, keep their numbers: the
  * halves are of the first one. */
-static mukca_status label_search(mukca_labelled_search *whole, mukca_pool *pool, mukca_search *id,
-                                 mukca_error *error)
+static mukca_status label_search(mukca_labelled_search *whole, mukca_pool *pool,
+                                 mukca_search *search, mukca_error *error)
 {
     const mukca_labelled_sets before = whole->posterior;
-    mukca_label *label = MUKCA_TAKE(pool, mukca_label, before.n_labels + id->n_kept + 1);
-    mukca_ranked *list = MUKCA_TAKE(pool, mukca_ranked, id->n_sets + 1);
+    mukca_label *label = MUKCA_TAKE(pool, mukca_label, before.n_labels + search->n_kept + 1);
+    mukca_ranked *list = MUKCA_TAKE(pool, mukca_ranked, search->n_sets + 1);
     *whole = (mukca_labelled_search){.posterior = {.label = label, .least = MUKCA_FINDING_SQUARE},
-                                     .label_of = MUKCA_TAKE(pool, int, id->n_kept + 1)};
+                                     .label_of = MUKCA_TAKE(pool, int, search->n_kept + 1)};
     if (pool->failed) return no_memory(error);
     for (int i = 0; i < before.n_labels; i++) label[i] = before.label[i];
-    whole->posterior.n_labels = number_labels(label, before.n_labels, whole->label_of, id);
-    for (int i = 0; i < id->n_sets; i++)
-        list[i] = (mukca_ranked){id->set[i].weight, id->set[i].index};
+    whole->posterior.n_labels = number_labels(label, before.n_labels, whole->label_of, search);
+    for (int i = 0; i < search->n_sets; i++)
+        list[i] = (mukca_ranked){search->set[i].weight, search->set[i].index};
     label_posterior(&whole->posterior, pool,
-                    &(weighted){&id->sets, whole->label_of, list, id->n_sets, LEFT_OUT});
+                    &(weighted){&search->sets, whole->label_of, list, search->n_sets, LEFT_OUT});
     return pool->failed ? no_memory(error) : MUKCA_OK;
 }
 
-mukca_status mukca_findings_reach(mukca_diagnosis *d, mukca_search *id, mukca_error *error)
+mukca_status mukca_findings_reach(mukca_diagnosis *d, mukca_search *search, mukca_error *error)
 {
     mukca_pool pool = {0};
     mukca_finding_group *group = MUKCA_TAKE(&d->pool, mukca_finding_group, 2 * MUKCA_MOST_FINDINGS);
@@ -156,11 +156,11 @@ mukca_status mukca_findings_reach(mukca_diagnosis *d, mukca_search *id, mukca_er
     mukca_labelled_sets half[MUKCA_HALVES];
     mukca_halves *halves = MUKCA_TAKE(&pool, mukca_halves, 1);
     int n_findings = 0, n = -1;
-    mukca_status status = label_search(&whole, &pool, id, error);
-    if (status == MUKCA_OK) status = label_halves(half, halves, &pool, id, &whole, error);
-    if (status == MUKCA_OK && id->tails) {
-        status = mukca_identify_with_tails(id, error);
-        if (status == MUKCA_OK) status = label_search(&whole, &pool, id, error);
+    mukca_status status = label_search(&whole, &pool, search, error);
+    if (status == MUKCA_OK) status = label_halves(half, halves, &pool, search, &whole, error);
+    if (status == MUKCA_OK && search->tails) {
+        status = mukca_identify_with_tails(search, error);
+        if (status == MUKCA_OK) status = label_search(&whole, &pool, search, error);
     }
     if (status == MUKCA_OK && group && !pool.failed)
         n = mukca_findings_choose(group, &n_findings, &pool, &whole.posterior, half, halves->n);
@@ -168,7 +168,7 @@ mukca_status mukca_findings_reach(mukca_diagnosis *d, mukca_search *id, mukca_er
         mukca_finding *f = i < n_findings ? &d->findings[d->n_findings++] : &d->maybe[d->n_maybe++];
         *f = (mukca_finding){.group = group[i], .held_out = MUKCA_SHRINK_NONE};
     }
-    if (status == MUKCA_OK && n >= 0 && !mukca_findings_measure(d, &pool, id, &whole)) n = -1;
+    if (status == MUKCA_OK && n >= 0 && !mukca_findings_measure(d, &pool, search, &whole)) n = -1;
     qsort(d->findings, (size_t)d->n_findings, sizeof *d->findings, by_size);
     qsort(d->maybe, (size_t)d->n_maybe, sizeof *d->maybe, by_size);
     for (int i = 1; i < d->n_findings; i++)

@@ -20,11 +20,11 @@ typedef struct {
 } mukca_labelled_search;
 
 /* Findings from the sets of the last search.  Errors: MUKCA_MEMORY. */
-mukca_status mukca_findings_reach(mukca_diagnosis *d, mukca_search *id, mukca_error *error);
+mukca_status mukca_findings_reach(mukca_diagnosis *d, mukca_search *search, mukca_error *error);
 
 /* Sizes, coefficients and alternatives of all groups (finding_size.c).  Changes what the scan is
  * aimed at.  Scratch comes from `pool`.  False: no memory. */
-bool mukca_findings_measure(mukca_diagnosis *d, mukca_pool *pool, mukca_search *id,
+bool mukca_findings_measure(mukca_diagnosis *d, mukca_pool *pool, mukca_search *search,
                             const mukca_labelled_search *in);
 
 #endif

@@ -35,7 +35,7 @@ typedef struct {
 
 /* What is known of the whole, and the scratch memory of a worker. */
 typedef struct {
-    mukca_search *id;
+    mukca_search *search;
     mukca_part_layout layout;
     int width;             /* of the columns */
     double *whole, *pairs; /* [width][width] products */
@@ -87,9 +87,9 @@ static int draw(unsigned char *in, drawn *posture, const mukca_recording *r, int
 /* Columns of a row, in the layout of the parts. */
 static void gather(double *out, const splitter *s, int row)
 {
-    const mukca_scan *scan = &s->id->scan;
-    const mukca_question *q = &s->id->question;
-    const mukca_linearisation *linear = &s->id->m->linear;
+    const mukca_scan *scan = &s->search->scan;
+    const mukca_question *q = &s->search->question;
+    const mukca_linearisation *linear = &s->search->m->linear;
     const double *x = scan->white + (size_t)row * (size_t)linear->stride,
                  root = sqrt(scan->precision);
     const mukca_part_layout *l = &s->layout;
@@ -97,15 +97,16 @@ static void gather(double *out, const splitter *s, int row)
     out[l->n] = root * x[linear->y];
     out += l->n + 1;
     for (int i = 0; i < l->n_items; i++)
-        mukca_question_copy(out + l->item[i].at, 0, q, q->item[s->item_of[i]].at, l->item[i].terms,
-                            row, 1);
+        mukca_question_copy(out + l->item[i].at, 0, q,
+                            (mukca_span){q->item[s->item_of[i]].at, l->item[i].terms},
+                            (mukca_span){row, 1});
 }
 
 /* Add the rows of a sample to the sums of its group. */
 static void add_means(splitter *s, double *ones, const double *rows, int sample, int group)
 {
-    const int d = s->id->m->recording.dim;
-    const double *one = s->id->scan.normal->whitening.one + sample * d * d;
+    const int d = s->search->m->recording.dim;
+    const double *one = s->search->scan.normal->whitening.one + sample * d * d;
     for (int a = 0; a < d; a++)
         for (int c = 0; c < d; c++) {
             double *sum = s->sum + (size_t)(group * d + c) * (size_t)s->width;
@@ -119,7 +120,7 @@ static void add_means(splitter *s, double *ones, const double *rows, int sample,
 static void multiply(splitter *s, double *gram, double *ones, const unsigned char *in)
 {
     /* NOLINTNEXTLINE(clang-analyzer-core.NullDereference): every worker has the search */
-    const mukca_samples *samples = &s->id->m->recording.samples;
+    const mukca_samples *samples = &s->search->m->recording.samples;
     const int d = samples->dim, groups = samples->n_blocks;
     const size_t width = (size_t)s->width;
     int rows = 0;
@@ -145,7 +146,7 @@ static void multiply(splitter *s, double *gram, double *ones, const unsigned cha
  * none, so that their sums differ in sign only. */
 static void remove_means(const splitter *s, double *gram, bool other)
 {
-    const mukca_samples *samples = &s->id->m->recording.samples;
+    const mukca_samples *samples = &s->search->m->recording.samples;
     const int d = samples->dim;
     for (int b = 0; b < samples->n_blocks; b++) {
         double L[36] = {0}, *x = s->chunk;
@@ -177,15 +178,15 @@ static int freedom(const mukca_recording *r, const unsigned char *in, bool other
 }
 
 /* The items of the best sets that the whole has met. */
-static bool choose_items(mukca_halves *h, mukca_pool *pool, const mukca_search *id)
+static bool choose_items(mukca_halves *h, mukca_pool *pool, const mukca_search *search)
 {
-    const mukca_sets *sets = &id->sets;
-    double *value = MUKCA_TAKE(pool, double, id->n_kept + 1);
-    bool *chosen = MUKCA_TAKE(pool, bool, id->n_kept + 1);
-    h->item_of = MUKCA_TAKE(pool, int, id->n_kept + 1);
-    h->item = MUKCA_TAKE(pool, mukca_item, id->n_kept + 1);
+    const mukca_sets *sets = &search->sets;
+    double *value = MUKCA_TAKE(pool, double, search->n_kept + 1);
+    bool *chosen = MUKCA_TAKE(pool, bool, search->n_kept + 1);
+    h->item_of = MUKCA_TAKE(pool, int, search->n_kept + 1);
+    h->item = MUKCA_TAKE(pool, mukca_item, search->n_kept + 1);
     if (pool->failed) return false;
-    for (int i = 0; i < id->n_kept; i++) value[i] = -HUGE_VAL;
+    for (int i = 0; i < search->n_kept; i++) value[i] = -HUGE_VAL;
     for (int s = 0; s < sets->n_sets; s++)
         for (int m = 0; m < sets->set[s].n; m++) {
             double *best = &value[sets->set[s].item[m]];
@@ -193,17 +194,17 @@ static bool choose_items(mukca_halves *h, mukca_pool *pool, const mukca_search *
         }
     const double least = sets->set[sets->best].value - RELEVANT;
     for (int columns = 0;;) {
-        const int best = mukca_set_largest(value, id->n_kept);
-        columns += id->question.item[best].terms;
-        if (!id->n_kept || !(value[best] > least) || columns > MOST_COLUMNS) break;
+        const int best = mukca_set_largest(value, search->n_kept);
+        columns += search->question.item[best].terms;
+        if (!search->n_kept || !(value[best] > least) || columns > MOST_COLUMNS) break;
         value[best] = -HUGE_VAL;
         chosen[best] = true;
     }
-    for (int i = 0, columns = 0; i < id->n_kept; i++) {
+    for (int i = 0, columns = 0; i < search->n_kept; i++) {
         if (!chosen[i]) continue;
-        h->item[h->n_items] = id->question.item[i];
+        h->item[h->n_items] = search->question.item[i];
         h->item[h->n_items].at = columns;
-        columns += id->question.item[i].terms;
+        columns += search->question.item[i].terms;
         h->item_of[h->n_items++] = i;
     }
     return true;
@@ -220,7 +221,7 @@ static void search_pair(void *context, int pair, int worker)
 {
     splitting *job = context;
     splitter *s = &job->worker[worker];
-    const mukca_recording *r = &s->id->m->recording;
+    const mukca_recording *r = &s->search->m->recording;
     mukca_pool *pool = &job->halves->pool[worker];
     const int square = s->width * s->width;
     job->outcome[pair] = TOO_FEW;
@@ -234,7 +235,7 @@ static void search_pair(void *context, int pair, int worker)
         remove_means(s, gram, other);
         for (int i = 0; i < square; i++) gram[i] += s->pairs[i];
         const int all = freedom(r, s->in, other != 0),
-                  dof = (int)(s->id->m->evidence.counted * all) + r->n_pairs;
+                  dof = (int)(s->search->m->evidence.counted * all) + r->n_pairs;
         if (mukca_part_question(&half->question, pool, gram, dof, &s->layout) &&
             mukca_sets_create(&half->sets, pool, &half->question))
             mukca_sets_explore(&half->sets, BUDGET, false);
@@ -247,7 +248,7 @@ static void search_pair(void *context, int pair, int worker)
 /* Scratch memory of a worker; false: none. */
 static bool take_scratch(splitter *s, mukca_pool *pool)
 {
-    const mukca_recording *r = &s->id->m->recording;
+    const mukca_recording *r = &s->search->m->recording;
     const int d = r->dim, groups = r->samples.n_blocks + 1;
     s->in = MUKCA_TAKE(pool, unsigned char, r->n_samples + 1);
     s->posture = MUKCA_TAKE(pool, drawn, r->n_samples + 1);
@@ -259,15 +260,16 @@ static bool take_scratch(splitter *s, mukca_pool *pool)
     return !pool->failed;
 }
 
-mukca_status mukca_halves_search(mukca_halves *h, mukca_pool *pool, mukca_search *id,
+mukca_status mukca_halves_search(mukca_halves *h, mukca_pool *pool, mukca_search *search,
                                  mukca_error *error)
 {
-    const mukca_recording *r = &id->m->recording;
-    const int d = r->dim, workers = mukca_workers_count(id->m->recording.workers);
+    const mukca_recording *r = &search->m->recording;
+    const int d = r->dim, workers = mukca_workers_count(search->m->recording.workers);
     splitting job = {.halves = h};
-    bool ok = choose_items(h, pool, id) && mukca_scan_aim(&id->scan, id->m->unknowns.family);
-    splitter s = {.id = id, .item_of = h->item_of};
-    s.layout = (mukca_part_layout){.n = id->scan.n, .n_items = h->n_items, .item = h->item};
+    bool ok =
+        choose_items(h, pool, search) && mukca_scan_aim(&search->scan, search->m->unknowns.family);
+    splitter s = {.search = search, .item_of = h->item_of};
+    s.layout = (mukca_part_layout){.n = search->scan.n, .n_items = h->n_items, .item = h->item};
     for (int i = 0; i < h->n_items; i++) s.layout.n_columns += h->item[i].terms;
     s.width = s.layout.n + 1 + s.layout.n_columns;
     s.whole = MUKCA_TAKE(pool, double, s.width *s.width);
@@ -285,7 +287,7 @@ mukca_status mukca_halves_search(mukca_halves *h, mukca_pool *pool, mukca_search
         gather(own->chunk, own, r->n_samples * d + p);
         mukca_dense_syrk(s.pairs, s.width, own->chunk, 1, s.width);
     }
-    mukca_workers_run(id->m->recording.workers, PAIRS, search_pair, &job);
+    mukca_workers_run(search->m->recording.workers, PAIRS, search_pair, &job);
     for (int pair = 0; pair < PAIRS && job.outcome[pair] != TOO_FEW; pair++) {
         if (job.outcome[pair] == FAILED)
             return mukca_fail(error, MUKCA_MEMORY, "out of memory for halves of the data");

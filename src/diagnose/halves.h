@@ -21,7 +21,7 @@ typedef struct {
 /* Search the halves.  They share linearisation, candidates and whitened columns with the whole; the
  * geometry is integrated out in each.  The items' memory comes from `pool`, the rest is to be
  * freed, whatever is returned.  Errors: MUKCA_MEMORY. */
-mukca_status mukca_halves_search(mukca_halves *halves, mukca_pool *pool, mukca_search *id,
+mukca_status mukca_halves_search(mukca_halves *halves, mukca_pool *pool, mukca_search *search,
                                  mukca_error *error);
 void mukca_halves_free(mukca_halves *halves);
 

@@ -41,21 +41,21 @@ typedef struct {
 
 /* List the candidates and find the most probable sets of them, with Gaussian noise.  Errors:
  * MUKCA_MEMORY, MUKCA_INTERRUPTED. */
-mukca_status mukca_identify_run(mukca_search *id, mukca_error *error);
+mukca_status mukca_identify_run(mukca_search *search, mukca_error *error);
 
-/* The same with Student's noise id->tails, not NULL, from the empty set.  Errors: as above. */
-mukca_status mukca_identify_with_tails(mukca_search *id, mukca_error *error);
+/* The same with Student's noise search->tails, not NULL, from the empty set.  Errors: as above. */
+mukca_status mukca_identify_with_tails(mukca_search *search, mukca_error *error);
 
 /* The same among the candidates kept that are in the catalogue, from those of the best set; from
  * then on no others are kept.  Errors: as above. */
-mukca_status mukca_identify_listed(mukca_search *id, mukca_error *error);
+mukca_status mukca_identify_listed(mukca_search *search, mukca_error *error);
 
 /* Fit the regression to the most probable set, by least squares.  Before, the last search can be
  * continued. */
-void mukca_identify_settle(mukca_search *id);
-void mukca_identify_free(mukca_search *id);
+void mukca_identify_settle(mukca_search *search);
+void mukca_identify_free(mukca_search *search);
 
 /* Fit the regression to a set. */
-void mukca_identify_fit(mukca_search *id, const mukca_causes *set);
+void mukca_identify_fit(mukca_search *search, const mukca_causes *set);
 
 #endif

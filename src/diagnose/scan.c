@@ -298,7 +298,7 @@ bool mukca_scan_leave(mukca_question *q, const mukca_scan *s, mukca_pool *pool)
     double *u = MUKCA_TAKE(pool, double, s->n *stride + 1), *E;
     E = MUKCA_TAKE(pool, double, (size_t)rows *(size_t)stride + 1);
     if (pool->failed) return false;
-    mukca_question_copy(u, stride, q, 0, stride, s->n_rows, s->n);
+    mukca_question_copy(u, stride, q, (mukca_span){0, stride}, (mukca_span){s->n_rows, s->n});
     mukca_dense_backward(u, stride, s->m->evidence.posterior.factor, s->n);
     for (int t = 0; t < s->n; t++)
         for (int k = 0; k < stride; k++) u[t * stride + k] *= root * s->prior[t];

@@ -55,15 +55,15 @@ static int by_share(const void *a, const void *b)
 
 /* Share of each joint: in the sets with unknown functions, if these are probable, else in the
  * evidence for the listed causes. */
-static void find_where(mukca_diagnosis *d, const mukca_search *id, bool unknown)
+static void find_where(mukca_diagnosis *d, const mukca_search *search, bool unknown)
 {
-    const mukca_regression *m = id->m;
+    const mukca_regression *m = search->m;
     double weight[MUKCA_MAX_JOINTS] = {0}, total = 0;
-    for (int i = 0; i < id->n_sets && unknown; i++)
-        for (int k = 0; k < id->set[i].n; k++) {
-            const mukca_candidate *h = &id->all.list[id->set[i].candidate[k]];
+    for (int i = 0; i < search->n_sets && unknown; i++)
+        for (int k = 0; k < search->set[i].n; k++) {
+            const mukca_candidate *h = &search->all.list[search->set[i].candidate[k]];
             if (mukca_candidate_class(h) == MUKCA_CLASS_UNKNOWN && h->joint >= 0)
-                weight[h->joint] += id->set[i].weight;
+                weight[h->joint] += search->set[i].weight;
         }
     for (int c = 0; c < d->n_causes && !unknown; c++)
         if (d->causes[c].effect.joint >= 0)
@@ -85,38 +85,41 @@ static void find_where(mukca_diagnosis *d, const mukca_search *id, bool unknown)
 MUKCA_FALLING(by_evidence, mukca_cause, log_bayes_factor)
 
 /* The first set with a member of each finding. */
-static const mukca_causes *choose_set(const mukca_diagnosis *d, const mukca_search *id)
+static const mukca_causes *choose_set(const mukca_diagnosis *d, const mukca_search *search)
 {
-    for (int i = 0; i < id->n_sets; i++) {
+    for (int i = 0; i < search->n_sets; i++) {
         int f = 0;
-        while (f < d->n_findings && mukca_cause_is_in(id, &id->set[i], &d->findings[f].group)) f++;
-        if (f == d->n_findings) return &id->set[i];
+        while (f < d->n_findings &&
+               mukca_cause_is_in(search, &search->set[i], &d->findings[f].group))
+            f++;
+        if (f == d->n_findings) return &search->set[i];
     }
-    return &id->set[0];
+    return &search->set[0];
 }
 
-double mukca_verdict_probability(const mukca_search *id, int class)
+double mukca_verdict_probability(const mukca_search *search, int class)
 {
     double sum = 0;
-    for (int i = 0; i < id->n_sets; i++) {
+    for (int i = 0; i < search->n_sets; i++) {
         bool found = false;
-        for (int k = 0; k < id->set[i].n; k++) {
-            const int member = mukca_candidate_class(&id->all.list[id->set[i].candidate[k]]);
+        for (int k = 0; k < search->set[i].n; k++) {
+            const int member =
+                mukca_candidate_class(&search->all.list[search->set[i].candidate[k]]);
             found |= class < 0 ? member != MUKCA_CLASS_OUTLIER : member == class;
         }
-        if (found) sum += id->set[i].weight;
+        if (found) sum += search->set[i].weight;
     }
     return sum;
 }
 
-static void list_sets(mukca_diagnosis *d, const mukca_search *id)
+static void list_sets(mukca_diagnosis *d, const mukca_search *search)
 {
-    const mukca_dataset *data = id->m->recording.data;
-    for (int i = 0; i < id->n_sets && i < MUKCA_MAX_SETS; i++) {
+    const mukca_dataset *data = search->m->recording.data;
+    for (int i = 0; i < search->n_sets && i < MUKCA_MAX_SETS; i++) {
         mukca_cause_set *out = &d->sets[d->n_sets++];
-        *out = (mukca_cause_set){.probability = id->set[i].weight, .n = id->set[i].n};
+        *out = (mukca_cause_set){.probability = search->set[i].weight, .n = search->set[i].n};
         for (int k = 0; k < out->n; k++) {
-            const mukca_candidate *h = &id->all.list[id->set[i].candidate[k]];
+            const mukca_candidate *h = &search->all.list[search->set[i].candidate[k]];
             out->member[k].effect = mukca_candidate_effect(h);
             out->member[k].unknown = mukca_candidate_class(h) == MUKCA_CLASS_UNKNOWN;
             if (!mukca_candidate_is_fault(h)) continue;
@@ -145,17 +148,17 @@ mukca_verdict mukca_verdict_of(const mukca_diagnosis *d, double any, double outs
 
 /* Describe the members of the set to which the regression is fitted: causes, suspected ones and
  * faults. */
-static void list_causes(mukca_diagnosis *d, mukca_search *id, const mukca_causes *best)
+static void list_causes(mukca_diagnosis *d, mukca_search *search, const mukca_causes *best)
 {
-    const mukca_unknowns *u = &id->m->unknowns;
+    const mukca_unknowns *u = &search->m->unknowns;
     for (int c = 0; c < u->n_causes; c++) {
         const mukca_candidate *h = &u->cause[c].candidate;
         mukca_cause *cause = &d->causes[d->n_causes];
         const int class = mukca_candidate_class(h);
-        if (class == MUKCA_CLASS_OUTLIER) add_outlier(d, id->m, &u->cause[c]);
+        if (class == MUKCA_CLASS_OUTLIER) add_outlier(d, search->m, &u->cause[c]);
         if (class >= MUKCA_EFFECT_COUNT || d->n_causes == MUKCA_MAX_CAUSES) continue;
-        mukca_cause_describe(cause, id, best, c);
-        const mukca_label l = mukca_candidate_label(h, &id->m->recording, u);
+        mukca_cause_describe(cause, search, best, c);
+        const mukca_label l = mukca_candidate_label(h, &search->m->recording, u);
         cause->applied = false; /* of the alternatives of a finding, that of this set is */
         for (int f = 0; f < d->n_findings; f++)
             cause->applied |= mukca_finding_holds(&d->findings[f].group, &l);
@@ -167,7 +170,7 @@ static void list_causes(mukca_diagnosis *d, mukca_search *id, const mukca_causes
             cause->n_ties || (cause->or_unknown && cause->probability >= MUKCA_SUSPECTED);
         cause->suspected = cause->probability < MUKCA_LISTED && !(cause->applied && rivalled);
         if (!cause->suspected && mukca_effect_table[class]->site == MUKCA_SITE_SOCKET)
-            mukca_screening_add(d, &id->m->recording, MUKCA_FAULT_TOOL_MOTION, h->fault.first,
+            mukca_screening_add(d, &search->m->recording, MUKCA_FAULT_TOOL_MOTION, h->fault.first,
                                 cause->amplitude);
     }
     qsort(d->causes, (size_t)d->n_causes, sizeof *d->causes, by_evidence);
@@ -180,21 +183,21 @@ static void list_causes(mukca_diagnosis *d, mukca_search *id, const mukca_causes
             d->causes[d->n_causes++] = d->causes[c];
 }
 
-void mukca_verdict_reach(mukca_diagnosis *d, mukca_search *id)
+void mukca_verdict_reach(mukca_diagnosis *d, mukca_search *search)
 {
-    mukca_regression *m = id->m;
-    const mukca_causes *best = choose_set(d, id);
-    const double any = mukca_verdict_probability(id, -1),
-                 unknown = mukca_verdict_probability(id, MUKCA_CLASS_UNKNOWN);
-    if (best != &id->set[0]) mukca_identify_fit(id, best);
+    mukca_regression *m = search->m;
+    const mukca_causes *best = choose_set(d, search);
+    const double any = mukca_verdict_probability(search, -1),
+                 unknown = mukca_verdict_probability(search, MUKCA_CLASS_UNKNOWN);
+    if (best != &search->set[0]) mukca_identify_fit(search, best);
     mukca_regression_factor(m); /* intervals are those of the full model */
     d->structure = -HUGE_VAL;
     for (int c = 0; c < best->n; c++)
-        if (mukca_candidate_class(&id->all.list[best->candidate[c]]) == MUKCA_CLASS_UNKNOWN)
-            d->structure = fmax(d->structure, mukca_cause_gain(id, best, c));
-    list_causes(d, id, best);
+        if (mukca_candidate_class(&search->all.list[best->candidate[c]]) == MUKCA_CLASS_UNKNOWN)
+            d->structure = fmax(d->structure, mukca_cause_gain(search, best, c));
+    list_causes(d, search, best);
     d->verdict = mukca_verdict_of(d, any, unknown);
-    find_where(d, id, unknown >= MUKCA_LISTED);
-    list_sets(d, id);
+    find_where(d, search, unknown >= MUKCA_LISTED);
+    list_sets(d, search);
     d->unexplained = unknown >= MUKCA_LISTED && d->n_causes;
 }

@@ -18,14 +18,14 @@ static int stripes(const mukca_question *q)
     return (q->stride + STRIPE - 1) / STRIPE;
 }
 
-void mukca_question_copy(double *out, int ld, const mukca_question *q, int at, int n, int row,
-                         int rows)
+void mukca_question_copy(double *out, int ld, const mukca_question *q, mukca_span columns,
+                         mukca_span rows)
 {
-    for (int k = 0, count; k < n; k += count) {
-        const int from = (at + k) % MUKCA_PANEL, left = MUKCA_PANEL - from;
-        const double *e = q->E + (size_t)(at + k - from) * (size_t)q->n_rows + row * MUKCA_PANEL;
-        count = left < n - k ? left : n - k;
-        for (int r = 0; r < rows; r++)
+    for (int k = 0, count; k < columns.n; k += count) {
+        const int at = columns.from + k, from = at % MUKCA_PANEL, left = MUKCA_PANEL - from;
+        const double *e = q->E + (size_t)(at - from) * (size_t)q->n_rows + rows.from * MUKCA_PANEL;
+        count = left < columns.n - k ? left : columns.n - k;
+        for (int r = 0; r < rows.n; r++)
             memcpy(out + (size_t)r * (size_t)ld + k, e + r * MUKCA_PANEL + from,
                    sizeof *out * (size_t)count);
     }
@@ -75,7 +75,8 @@ bool mukca_given_rows(mukca_sets *s, const unsigned short *item, int n)
         for (int k = first, to = 0; k < i; k++) {
             const mukca_item *h = &q->item[item[k]];
             if (s->gram[item[k]]) continue;
-            mukca_question_copy(s->left + to, width, q, h->at, h->terms, 0, q->n_rows);
+            mukca_question_copy(s->left + to, width, q, (mukca_span){h->at, h->terms},
+                                (mukca_span){0, q->n_rows});
             s->gram[item[k]] = G + (size_t)to * stride;
             to += h->terms;
         }
@@ -105,7 +106,7 @@ void mukca_given_blocks(const mukca_sets *s, int item, int end, int worker)
         while (item < end && n + q->item[item].terms <= MUKCA_NEIGHBOURS);
         const mukca_columns E = {x, n, n}, T = {x + (size_t)rows * (size_t)n, n, n};
         if (!q->gram) {
-            mukca_question_copy(x, n, q, at, n, 0, q->n_rows);
+            mukca_question_copy(x, n, q, (mukca_span){at, n}, (mukca_span){0, q->n_rows});
             mukca_dense_symmetric(memset(f->C, 0, sizeof *f->C * (size_t)(n * n)), E, E, rows);
             subtract_products(f->C, f->D, T, q->n_projected);
         }

@@ -8,9 +8,14 @@
 /* Columns whose rows of the Gram matrix are computed together. */
 enum { MUKCA_GIVEN_TOGETHER = 72 };
 
-/* Copy n columns of a question, from `at` on, in some rows: out[rows][ld]. */
-void mukca_question_copy(double *out, int ld, const mukca_question *question, int at, int n,
-                         int row, int rows);
+/* Some successive rows or columns. */
+typedef struct {
+    int from, n;
+} mukca_span;
+
+/* Copy columns of a question: out[rows.n][ld]. */
+void mukca_question_copy(double *out, int ld, const mukca_question *question, mukca_span columns,
+                         mukca_span rows);
 
 /* Compute the rows of the Gram matrix of these items, as many of them together as fit.  False: no
  * memory. */

@@ -41,6 +41,9 @@ int mukca_dense_solve(double *b, int k, double *A, int n);
 void mukca_dense_forward(double *b, int k, const double *L, int n);
 void mukca_dense_backward(double *b, int k, const double *L, int n);
 
+/* x' A x for A[n][n] with row stride lda. */
+double mukca_dense_quadratic(const double *x, const double *A, int lda, int n);
+
 /* |L^-1 a|^2: the variance of a' x, if L L' is the precision of x; a[n] is overwritten. */
 double mukca_dense_variance(double *a, const double *L, int n);
 

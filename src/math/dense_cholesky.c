@@ -61,6 +61,14 @@ MUKCA_CLONES void mukca_dense_backward(double *b, int k, const double *L, int n)
     }
 }
 
+double mukca_dense_quadratic(const double *x, const double *A, int lda, int n)
+{
+    double sum = 0;
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k < n; k++) sum += x[i] * A[(long)i * lda + k] * x[k];
+    return sum;
+}
+
 double mukca_dense_variance(double *a, const double *L, int n)
 {
     double sum = 0;

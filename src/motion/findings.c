@@ -25,7 +25,7 @@ static bool find_products(mukca_torque_posterior *p, mukca_pool *pool)
     for (int k = 0; k < s->n_sets; k++)
         for (int m = 0; m < s->sets.set[s->set[k]].n; m++) {
             const int i = s->sets.set[s->set[k]].item[m];
-            if (p->at[i] < 0) n += s->item[i].terms;
+            if (p->at[i] < 0) n += s->question.item[i].terms;
             p->at[i] = 0;
         }
     p->columns = mukca_torque_columns_take(pool, n);
@@ -52,7 +52,7 @@ static double relevance(const mukca_torque_posterior *p, int item, const double 
 {
     double most = 0;
     int index[MUKCA_SET_COLUMNS];
-    const mukca_item *h = &p->search->item[item];
+    const mukca_item *h = &p->search->question.item[item];
     for (int a = 0; a < h->terms; a++) index[a] = p->at[item] + a;
     for (int j = 0; j < p->search->t->n; j++)
         most = fmax(most, sqrt(mukca_torque_square(NULL, p, j, index, mean + h->at, h->terms)) /

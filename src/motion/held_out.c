@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "math/dense.h"
 #include "motion/findings.h"
 
 typedef struct {
@@ -31,8 +32,7 @@ static bool evaluate(evaluated *e, const mukca_torque_columns *c, bool fit, bool
         for (int j = 0; j < t->n && ok; j++) {
             memset(G, 0, sizeof *G * (size_t)(c->n * c->n));
             ok = mukca_torques_multiply(G, t, c, &left, j, false);
-            for (int a = 0; a < c->n; a++)
-                for (int b = 0; b < c->n; b++) e->square[j] += mean[a] * G[a * c->n + b] * mean[b];
+            e->square[j] += mukca_dense_quadratic(mean, G, c->n, c->n);
         }
         for (int j = 0; j < t->n; j++) e->rows[j] += t->part[part].rows[j];
     }
@@ -63,7 +63,7 @@ static mukca_torque_columns columns_of(mukca_pool *pool, const mukca_motion *m,
             in |= f != without && mukca_finding_holds(&m->finding[f].group, l);
         if (in)
             mukca_torque_columns_item(&c, t, s->kept[set->item[i]],
-                                      s->item[set->item[i]].prior.size[set->size[i]]);
+                                      s->question.item[set->item[i]].prior.size[set->size[i]]);
     }
     mukca_torque_columns_value(&c, t);
     return c;

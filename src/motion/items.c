@@ -204,14 +204,8 @@ static double normal_of(const lister *l, const mukca_torque_effect *e, int joint
 
 static void put_columns(lister *l, const mukca_torque_effect *e, int joint, int variant)
 {
-    if (e->n == MUKCA_COLUMNS_MODEL) {
-        put_torque(l, joint, 1);
-        return;
-    }
-    if (e->n == MUKCA_COLUMNS_RATE) {
-        put_rate(l, joint, -1);
-        return;
-    }
+    if (e->n == MUKCA_COLUMNS_MODEL) put_torque(l, joint, 1);
+    if (e->n == MUKCA_COLUMNS_RATE) put_rate(l, joint, -1);
     for (int c = 0; c < e->n; c++) {
         const int column = e->raw + (e->orders ? variant * e->n + c : variant + c * e->variants);
         put_local(l, joint, column, normal_of(l, e, joint, column));
@@ -364,7 +358,8 @@ bool mukca_items_list(mukca_items *items, mukca_pool *pool, const mukca_motion_i
 {
     const int n = model->signals->n_joints;
     lister l = {.out = items, .input = input, .model = model, .point = point, .n = n};
-    l.most_items = n * (MUKCA_TORQUE_ROWS + MUKCA_ORDERS + MUKCA_SLOWS + MUKCA_WARMINGS) + 8;
+    for (int e = 0; e < MUKCA_TORQUE_ROWS; e++) /* at each joint, and at all */
+        l.most_items += n * mukca_torque_table[e].variants + 1;
     l.most_columns = n * 24 + 8 + n * (2 * MUKCA_ORDERS + 230);
     l.most_terms =
         l.most_columns * 4 + n * n * MUKCA_INERTIAL * 40 + 32 * n * mukca_raw_width(n, 0);

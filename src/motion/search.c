@@ -31,11 +31,11 @@ static bool score(mukca_ranked *out, const mukca_torques *t, const mukca_torque_
         mukca_question question;
         mukca_sets *sets = MUKCA_TAKE(&pool, mukca_sets, 1);
         int *item = MUKCA_TAKE(&pool, int, all->n_items), n = 0, columns = 0;
-        mukca_item *own = MUKCA_TAKE(&pool, mukca_item, all->n_items);
         while (!pool.failed && first + n < all->n_items && columns < TOGETHER)
             item[n] = first + n, columns += all->item[first + n++].terms;
         ok = !pool.failed &&
-             mukca_torques_ask(&question, own, &pool, t, item, n, held, &mukca_torques_whole) &&
+             mukca_torques_ask(&question, &pool, t, &(mukca_torque_choice){n, item, held},
+                               &mukca_torques_whole) &&
              mukca_sets_create(sets, &pool, &question) && mukca_sets_weigh(sets, &sets->set[0]);
         for (int i = 0; i < n && ok; i++)
             out[first + i] = (mukca_ranked){sets->added[i], first + i};
@@ -73,7 +73,7 @@ static mukca_torque_set set_of(const mukca_torque_search *s, int index)
     mukca_torque_set out = {.n = set->n};
     for (int i = 0; i < set->n; i++) {
         out.item[i] = s->kept[set->item[i]];
-        out.size[i] = s->item[set->item[i]].prior.size[set->size[i]];
+        out.size[i] = s->question.item[set->item[i]].prior.size[set->size[i]];
     }
     return out;
 }
@@ -91,10 +91,8 @@ static void insert(mukca_torque_search *s, const mukca_torque_set *set)
 
 static bool begin(mukca_torque_search *s, const mukca_part_weights *parts)
 {
-    s->item = MUKCA_TAKE(&s->pool, mukca_item, s->n_kept + 1);
-    return !s->pool.failed &&
-           mukca_torques_ask(&s->question, s->item, &s->pool, s->t, s->kept, s->n_kept, NULL,
-                             parts) &&
+    return mukca_torques_ask(&s->question, &s->pool, s->t,
+                             &(mukca_torque_choice){s->n_kept, s->kept, NULL}, parts) &&
            mukca_sets_create(&s->sets, &s->pool, &s->question);
 }
 

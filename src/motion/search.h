@@ -12,7 +12,6 @@ typedef struct {
     mukca_pool columns; /* of t->items */
     bool loads;         /* the best set has friction under load: that of t->point */
     int n_kept, *kept;  /* items of the last pass, ascending */
-    mukca_item *item;   /* [n_kept] with their columns in the question */
     mukca_question question;
     mukca_sets sets;
     int n_sets, set[MUKCA_TORQUE_SETS]; /* most probable ones of `sets`, by falling weight */

@@ -27,7 +27,7 @@ static void take_set(measured *w, const mukca_set *set, double *scratch)
     mukca_sets_mean(scratch, &s->sets, set);
     w->columns = mukca_sets_covariance(w->V, &s->sets);
     for (int m = 0, row = 0; m < set->n; m++) {
-        const mukca_item *h = &s->item[set->item[m]];
+        const mukca_item *h = &s->question.item[set->item[m]];
         w->at[m] = row;
         for (int t = 0; t < h->terms; t++, row++) {
             w->mean[row] = scratch[h->at + t];
@@ -42,7 +42,7 @@ static int columns_of(int *index, const measured *w, const mukca_set *set,
 {
     int count = 0;
     for (int m = 0; m < set->n; m++)
-        for (int t = 0; t < w->p->search->item[set->item[m]].terms; t++)
+        for (int t = 0; t < w->p->search->question.item[set->item[m]].terms; t++)
             if (mukca_finding_holds(group, &w->p->label[w->p->label_of[set->item[m]]]))
                 index[count++] = w->at[m] + t;
     return count;
@@ -127,7 +127,7 @@ static void project(double *slope, const measured *w, const mukca_set *set, int 
     int at[MUKCA_SET_ITEMS], n = 0, index = 0;
     for (int i = 0; i < p->search->n_kept && n < MUKCA_SET_ITEMS; i++) {
         const mukca_label *l = &p->label[p->label_of[i]];
-        if (p->at[i] < 0 || l->effect < 0 || p->search->item[i].terms > 1) continue;
+        if (p->at[i] < 0 || l->effect < 0 || p->search->question.item[i].terms > 1) continue;
         if (l->from != own->from || l->to != own->to) continue;
         if (i == set->item[member]) index = n;
         at[n++] = p->at[i];
@@ -137,7 +137,7 @@ static void project(double *slope, const measured *w, const mukca_set *set, int 
         if (l->effect >= 0 || l->from != own->from || l->to != own->to ||
             row_of(w, set, m)->raw == MUKCA_RAW_BESIDE)
             continue;
-        for (int a = w->at[m]; a < w->at[m] + p->search->item[set->item[m]].terms; a++) {
+        for (int a = w->at[m]; a < w->at[m] + p->search->question.item[set->item[m]].terms; a++) {
             const double *G = p->plain[own->to];
             for (int i = 0; i < n; i++) {
                 x[i] = G[at[i] * p->columns.n + w->plain[a]];
@@ -158,19 +158,16 @@ static void amplitude_of(double *mean, double *variance, const measured *w, cons
 {
     const mukca_torque_search *s = w->p->search;
     const mukca_torque_effect *row = row_of(w, set, member);
-    const int at = w->at[member], terms = s->item[set->item[member]].terms;
+    const int at = w->at[member], terms = s->question.item[set->item[member]].terms;
     const bool norm = row->orders || (row->links && row->raw == MUKCA_RIGID_CENTRE);
     double slope[MUKCA_SET_COLUMNS] = {[0] = 0}, square = 0;
     for (int a = at; a < at + terms; a++) square += w->mean[a] * w->mean[a];
     for (int a = at; a < at + terms; a++)
         slope[a] = norm ? w->mean[a] / sqrt(fmax(square, 1e-300)) : a == at;
     if (row->n == 1) project(slope, w, set, member);
-    *mean = *variance = 0;
-    for (int a = 0; a < w->columns; a++) {
-        *mean += slope[a] * w->mean[a];
-        for (int b = 0; b < w->columns; b++)
-            *variance += slope[a] * slope[b] * w->V[a * w->columns + b];
-    }
+    *mean = 0;
+    for (int a = 0; a < w->columns; a++) *mean += slope[a] * w->mean[a];
+    *variance = mukca_dense_quadratic(slope, w->V, w->columns, w->columns);
 }
 
 /* Relative uncertainty of the scale of an effect's coefficient: all gains together are not
@@ -189,17 +186,15 @@ static void add_inertial(mukca_gaussians *parameter, const measured *w, int item
     const mukca_items *all = &w->p->search->t->items;
     const int terms = all->item[item].terms, first = all->n_parameters + 1 + all->item[item].at;
     for (int p = 0; p < MUKCA_INERTIAL; p++) {
-        double slope[MUKCA_INERTIAL] = {0}, mean = 0, variance = 0;
+        double slope[MUKCA_INERTIAL] = {0}, mean = 0;
         for (int a = 0; a < terms; a++)
             for (int k = all->first[first + a]; k < all->first[first + a + 1]; k++)
                 if (all->term[k].joint == all->label[item].to && all->term[k].raw == p)
                     slope[a] += all->term[k].weight;
-        for (int a = 0; a < terms; a++) {
-            mean += slope[a] * w->mean[at + a];
-            for (int b = 0; b < terms; b++)
-                variance += slope[a] * slope[b] * w->V[(at + a) * w->columns + at + b];
-        }
-        mukca_gaussians_add(&parameter[p], mean, variance, weight);
+        for (int a = 0; a < terms; a++) mean += slope[a] * w->mean[at + a];
+        const double *V = w->V + at * w->columns + at;
+        mukca_gaussians_add(&parameter[p], mean, mukca_dense_quadratic(slope, V, w->columns, terms),
+                            weight);
     }
 }
 

@@ -137,14 +137,6 @@ bool mukca_torques_multiply(double *G, const mukca_torques *t, const mukca_torqu
     return ok;
 }
 
-static double quadratic(const double *G, const double *c, int n)
-{
-    double sum = 0;
-    for (int i = 0; i < n; i++)
-        for (int k = 0; k < n; k++) sum += c[i] * G[i * n + k] * c[k];
-    return sum;
-}
-
 /* L := factor of 1 + G without the last column, which is the value; x := mean, -1 for the value. */
 static bool solve(double *x, double *L, const double *G, int width)
 {
@@ -161,21 +153,29 @@ static bool solve(double *x, double *L, const double *G, int width)
     return true;
 }
 
-/* Noise of a joint about the mean x[width] of a fit with factor L: by products S of the rows and D
- * of their differences. */
-static void update_noise(mukca_torques *t, int j, const double *const SD[2], const double *x,
-                         const double *L, int width, double *scratch)
+/* A fit of all joints, and what one of them contributes; [width][width]. */
+typedef struct {
+    int width;
+    double *G, *L, *x; /* products; factor, and mean */
+    double *S, *D;     /* products of a joint's rows, and of their differences */
+    double *scratch;
+} noise_fit;
+
+/* Noise of a joint about the mean of the fit. */
+static void update_noise(mukca_torques *t, int j, const noise_fit *f)
 {
-    const int n = width - 1;
+    const int width = f->width, n = width - 1;
+    double *scratch = f->scratch;
     const double rho = t->rho[j], a = (1 - rho) * (1 - rho),
                  rows = mukca_torques_rows(t, &mukca_torques_whole, j);
-    const double squares = quadratic(SD[0], x, width), steps = quadratic(SD[1], x, width);
+    const double squares = mukca_dense_quadratic(f->x, f->S, width, width),
+                 steps = mukca_dense_quadratic(f->x, f->D, width, width);
     double used = 0; /* trace of (1 + G)^-1 G, the joint's part */
     for (int i = 0; i < n; i++)
         for (int k = 0; k < n; k++)
-            scratch[i * n + k] = a * SD[0][i * width + k] + rho * SD[1][i * width + k];
-    mukca_dense_forward(scratch, n, L, n);
-    mukca_dense_backward(scratch, n, L, n);
+            scratch[i * n + k] = a * f->S[i * width + k] + rho * f->D[i * width + k];
+    mukca_dense_forward(scratch, n, f->L, n);
+    mukca_dense_backward(scratch, n, f->L, n);
     for (int i = 0; i < n; i++) used += scratch[i * n + i] / (t->sigma[j] * t->sigma[j]);
     t->sigma[j] = sqrt(fmax(a * squares + rho * steps, 0) / fmax(rows - used, 0.2 * rows));
     t->sigma[j] = fmax(t->sigma[j], LEAST_NOISE * t->model.signals->range[j]);
@@ -210,25 +210,29 @@ bool mukca_torques_measure_noise(mukca_torques *t, const mukca_torque_set *set)
     const mukca_torque_columns c = mukca_torque_columns_of(&pool, t, set, -1);
     const int w = c.n;
     const size_t square = (size_t)w * (size_t)w;
-    double *G = MUKCA_TAKE(&pool, double, w *w), *L = MUKCA_TAKE(&pool, double, w *w),
-           *S = MUKCA_TAKE(&pool, double, w *w), *D = MUKCA_TAKE(&pool, double, w *w),
-           *scratch = MUKCA_TAKE(&pool, double, w *w), *x = MUKCA_TAKE(&pool, double, w);
-    const double *const SD[2] = {S, D};
+    const noise_fit f = {.width = w,
+                         .G = MUKCA_TAKE(&pool, double, w *w),
+                         .L = MUKCA_TAKE(&pool, double, w *w),
+                         .x = MUKCA_TAKE(&pool, double, w),
+                         .S = MUKCA_TAKE(&pool, double, w *w),
+                         .D = MUKCA_TAKE(&pool, double, w *w),
+                         .scratch = MUKCA_TAKE(&pool, double, w *w)};
     bool ok = !pool.failed;
     for (int j = 0; j < t->n; j++) /* at first */
         if (!(t->sigma[j] > 0)) t->sigma[j] = 0.1 * t->model.signals->range[j];
     for (int iteration = 0; iteration < 4 && ok; iteration++) {
-        memset(G, 0, sizeof *G * square);
-        ok = mukca_torques_multiply(G, t, &c, &mukca_torques_whole, -1, true) && solve(x, L, G, w);
+        memset(f.G, 0, sizeof *f.G * square);
+        ok = mukca_torques_multiply(f.G, t, &c, &mukca_torques_whole, -1, true) &&
+             solve(f.x, f.L, f.G, w);
         for (int j = 0; j < t->n && ok; j++) {
             const double rho = t->rho[j];
-            memset(S, 0, sizeof *S * square);
-            memset(D, 0, sizeof *D * square);
+            memset(f.S, 0, sizeof *f.S * square);
+            memset(f.D, 0, sizeof *f.D * square);
             t->rho[j] = 1; /* products of the differences */
-            ok = mukca_torques_multiply(S, t, &c, &mukca_torques_whole, j, false) &&
-                 mukca_torques_multiply(D, t, &c, &mukca_torques_whole, j, true);
+            ok = mukca_torques_multiply(f.S, t, &c, &mukca_torques_whole, j, false) &&
+                 mukca_torques_multiply(f.D, t, &c, &mukca_torques_whole, j, true);
             t->rho[j] = rho;
-            update_noise(t, j, SD, x, L, w, scratch);
+            update_noise(t, j, &f);
         }
     }
     mukca_pool_free(&pool);
@@ -246,26 +250,26 @@ bool mukca_torques_fit(double *mean, const mukca_torques *t, const mukca_torque_
     return ok;
 }
 
-bool mukca_torques_ask(mukca_question *question, mukca_item *own, mukca_pool *pool,
-                       const mukca_torques *t, const int *item, int n, const mukca_torque_set *held,
-                       const mukca_part_weights *parts)
+bool mukca_torques_ask(mukca_question *question, mukca_pool *pool, const mukca_torques *t,
+                       const mukca_torque_choice *choice, const mukca_part_weights *parts)
 {
     mukca_pool scratch = {0};
-    mukca_part_layout layout = {.n_items = n, .item = own};
-    for (int i = 0; i < n; i++) {
-        own[i] = t->items.item[item[i]];
-        own[i].at = layout.n_columns;
-        layout.n_columns += own[i].terms;
+    mukca_item *item = MUKCA_TAKE(pool, mukca_item, choice->n + 1);
+    mukca_part_layout layout = {.n_items = choice->n, .item = item};
+    for (int i = 0; item && i < choice->n; i++) {
+        item[i] = t->items.item[choice->item[i]];
+        item[i].at = layout.n_columns;
+        layout.n_columns += item[i].terms;
     }
-    mukca_torque_columns c = mukca_torque_columns_of(&scratch, t, held, layout.n_columns);
+    mukca_torque_columns c = mukca_torque_columns_of(&scratch, t, choice->held, layout.n_columns);
     layout.n = c.n - 1;
     const int width = c.n + layout.n_columns;
     double *G = MUKCA_TAKE(&scratch, double, width *width);
     double rows = 0;
     for (int j = 0; j < t->n; j++) rows += mukca_torques_rows(t, parts, j);
-    bool ok = !scratch.failed;
+    bool ok = item && !scratch.failed;
     if (ok) {
-        for (int i = 0; i < n; i++) mukca_torque_columns_item(&c, t, item[i], 1);
+        for (int i = 0; i < choice->n; i++) mukca_torque_columns_item(&c, t, choice->item[i], 1);
         ok = mukca_torques_multiply(G, t, &c, parts, -1, true) &&
              mukca_part_question(question, pool, G, (int)rows, &layout);
     }

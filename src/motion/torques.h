@@ -66,10 +66,15 @@ bool mukca_torques_measure_noise(mukca_torques *t, const mukca_torque_set *set);
 bool mukca_torques_fit(double *mean, const mukca_torques *t, const mukca_torque_columns *columns,
                        const mukca_part_weights *parts);
 
-/* Question of the items item[n], in addition to the parameters and to a set that is held (NULL:
- * none).  own[n] receives the items with their columns.  Memory comes from `pool`. */
-bool mukca_torques_ask(mukca_question *question, mukca_item *own, mukca_pool *pool,
-                       const mukca_torques *t, const int *item, int n, const mukca_torque_set *held,
-                       const mukca_part_weights *parts);
+/* Some items of the regression, beside the parameters and a set that is held (NULL: none). */
+typedef struct {
+    int n;
+    const int *item;
+    const mukca_torque_set *held;
+} mukca_torque_choice;
+
+/* Question of these items, in their order.  Memory comes from `pool`. */
+bool mukca_torques_ask(mukca_question *question, mukca_pool *pool, const mukca_torques *t,
+                       const mukca_torque_choice *choice, const mukca_part_weights *parts);
 
 #endif
