@@ -151,7 +151,7 @@ int main(int argc, char **argv)
     }
     x.options.disabled = x.disabled;
     mukca_pool pool = {0};
-    if (mukca_urdf_load(&x.chain, argv[1], &arm, NULL, NULL, &x.error) != MUKCA_OK ||
+    if (mukca_urdf_load(&x.chain, argv[1], &arm, &x.error) != MUKCA_OK ||
         mukca_dataset_load(&x.data, &x.chain, (const char *const *)(argv + 2), 1, NULL, &x.error) !=
             MUKCA_OK ||
         find(&x, &pool) != MUKCA_OK) {

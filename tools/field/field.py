@@ -32,7 +32,7 @@ sys.dont_write_bytecode = True
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.join(HERE, "..", "blind"))
 import findings  # noqa: E402
-from score import call  # noqa: E402
+from cases import call  # noqa: E402
 
 METHODS = {"mukca": "findings of mukca", "bic": "stepwise BIC", "bic of R": "stats::step of R",
            "lasso": "LASSO, least error", "lasso 1se": "LASSO, one standard error", "susie": "SuSiE"}
@@ -178,7 +178,7 @@ def answer_all(a, tasks, kept):
                 case, without = tasks[key]
                 files = [os.path.join(a.cases, case, x) for x in ("robot.urdf", "session.tsv")]
                 begin = children_seconds()
-                answer, _, why = call(a.program, files, (["--without", without] if without else [])
+                answer, why = call(a.program, files, (["--without", without] if without else [])
                                       + ["--threads", "1", "session.tsv"])
                 took = children_seconds() - begin
                 p = subprocess.run([a.columns, *files, os.path.join(tmp, key)]
