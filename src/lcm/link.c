@@ -178,7 +178,7 @@ mukca_status mukca_lcm_link_publish(mukca_lcm_link *link, const char *channel, c
  * bytes) ---- */
 
 enum { HEADER = 28 };
-static const unsigned char sync_word[4] = {0xED, 0xA1, 0xDA, 0x01};
+const unsigned char mukca_lcm_log_sync[4] = {0xED, 0xA1, 0xDA, 0x01};
 
 mukca_status mukca_lcm_log_open(mukca_lcm_log *log, const char *path, mukca_error *error)
 {
@@ -206,8 +206,8 @@ static bool read_event(mukca_lcm_packet *event, mukca_lcm_log *log, const unsign
     const size_t channel = (size_t)mukca_lcm_wire_get(head + 20, 4),
                  data = (size_t)mukca_lcm_wire_get(head + 24, 4);
     const off_t at = ftello(log->file);
-    if (memcmp(head, sync_word, 4) != 0 || channel == 0 || channel >= sizeof log->channel ||
-        data > MUKCA_LCM_MAX_MESSAGE)
+    if (memcmp(head, mukca_lcm_log_sync, 4) != 0 || channel == 0 ||
+        channel >= sizeof log->channel || data > MUKCA_LCM_MAX_MESSAGE)
         return false;
     if (fread(log->channel, 1, channel, log->file) != channel ||
         fread(log->data, 1, data, log->file) != data) {
@@ -228,7 +228,7 @@ bool mukca_lcm_log_read(mukca_lcm_packet *event, mukca_lcm_log *log)
     size_t n = 0;
     while (log->file && (n += fread(head + n, 1, HEADER - n, log->file)) == HEADER) {
         if (read_event(event, log, head)) return true;
-        const unsigned char *next = memchr(head + 1, sync_word[0], HEADER - 1);
+        const unsigned char *next = memchr(head + 1, mukca_lcm_log_sync[0], HEADER - 1);
         const size_t skip = next ? (size_t)(next - head) : HEADER;
         log->skipped += (int64_t)skip;
         n -= skip;

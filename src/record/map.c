@@ -154,21 +154,13 @@ mukca_status mukca_stream_check_map(mukca_recorder *r, mukca_error *error)
     return numbers ? parse_map(r, error) : MUKCA_OK;
 }
 
-bool mukca_stream_needs_confirmation(const mukca_recorder *r)
+void mukca_stream_describe_map(mukca_text *text, const mukca_recorder *r)
 {
     const mukca_stream *stream = &r->stream;
-    return stream->map.made && !stream->map.by_name && !r->options->map;
-}
-
-void mukca_stream_describe_map(const mukca_recorder *r, char *lines, size_t size)
-{
-    const mukca_stream *stream = &r->stream;
-    mukca_text text = {.size = size};
-    text.at = lines; /* clang-tidy misses this use in an initialiser */
-    mukca_text_put(&text, "%s (%s), %d readings, mapped by %s:\n", stream->channel,
+    mukca_text_put(text, "%s (%s), %d readings, mapped by %s:\n", stream->channel,
                    mukca_stream_type(r), stream->map.n, stream->map.by_name ? "name" : "order");
     for (int j = 0; j < r->chain->n_joints; j++)
-        mukca_text_put(&text, "  reading %2d  %-24s ->  %-24s now %9.4f rad\n",
+        mukca_text_put(text, "  reading %2d  %-24s ->  %-24s now %9.4f rad\n",
                        stream->map.reading[j] + 1, stream->map.name[j],
                        mukca_chain_joint_name(r->chain, j), stream->last.reading.q[j]);
 }
