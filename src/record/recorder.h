@@ -51,8 +51,8 @@ mukca_status mukca_stream_wait_lines(mukca_recorder *r, int timeout_ms, int othe
 
 /* ---- which reading of a message is which joint (map.c) ---- */
 
-/* Read --map; and set the mapping from the first message, with the reason of a failure in
- * r->stream.problem. */
+/* Read the numbers of --map; and set the mapping from the first message, with the reason of a
+ * failure in r->stream.problem. */
 mukca_status mukca_stream_check_map(mukca_recorder *r, mukca_error *error);
 mukca_status mukca_stream_make_map(mukca_recorder *r);
 

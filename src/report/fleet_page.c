@@ -4,7 +4,6 @@
 #include <math.h>
 
 #include "math/stats.h"
-#include "report/page.h"
 
 #define put mukca_wording_put /* short for this file */
 

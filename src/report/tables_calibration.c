@@ -3,7 +3,6 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "report/page.h"
 #include "report/report.h"
 
 #define put mukca_wording_put /* short for this file */

@@ -1,7 +1,6 @@
 /* Texts and tables of the diagnosis: verdict, what to do, causes, faults, detection limits. */
 #include <math.h>
 
-#include "report/page.h"
 #include "report/report.h"
 
 /* ---- verdict and remedies ---- */
@@ -55,16 +54,16 @@ static void put_steps(FILE *out, const mukca_diagnosed *diagnosed)
     const mukca_diagnosis *d = diagnosed->diagnosis;
     mukca_step steps[MUKCA_MAX_STEPS];
     const int n = mukca_wording_steps(steps, diagnosed);
+    const bool tested = isfinite(steps[0].test_m);
     double most = 0;
     mukca_html_table table = {
         .out = out,
         .caption = d->folds > 1 ? "Mean error, mm, each line a fit of its own; cross-validated: "
                                   "each fold predicted from the others"
                                 : "Mean error, mm, each line a fit of its own",
-        .columns = d->folds > 1 ? "model|#cross-validated|bar|#test" : "model|#training|bar|#test"};
-    const bool tested = isfinite(steps[0].test_m);
-    if (!tested)
-        table.columns = d->folds > 1 ? "model|#cross-validated|bar|" : "model|#training|bar|";
+        .columns = mukca_wording_put(MUKCA_WORDS, "model|#%s|bar|%s",
+                                     d->folds > 1 ? "cross-validated" : "training",
+                                     tested ? "#test" : "")};
     for (int i = 1; i < n; i++) most = fmax(most, steps[i].cross_validated_m);
     for (int i = 0; i < n; i++) {
         const double error = steps[i].cross_validated_m;

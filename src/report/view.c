@@ -1,7 +1,6 @@
 /* The arm in the posture of the first sample, with the findings where they are. */
 #include <math.h>
 
-#include "report/page.h"
 #include "report/report.h"
 
 /* Widths of a finding's line for none and all of what is explained, pixels. */
