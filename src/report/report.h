@@ -41,8 +41,6 @@ mukca_page mukca_report_page(const mukca_report *report);
 /* ---- parts of the page, one function each, in tables_diagnosis.c, tables_calibration.c and
  * view.c; the content is the report ---- */
 
-#define MUKCA_REPORT_MM 1e3 /* mm per m */
-
 mukca_page_part mukca_report_put_accuracy, mukca_report_put_verdict, mukca_report_put_causes,
     mukca_report_put_faults, mukca_report_put_limits, mukca_report_put_placements,
     mukca_report_put_joints, mukca_report_put_offsets, mukca_report_put_view;

@@ -7,7 +7,7 @@
 
 #define put mukca_wording_put /* short for this file */
 
-static const double mm = MUKCA_REPORT_MM;
+static const double mm = 1e3; /* per m */
 
 /* ---- accuracy ---- */
 

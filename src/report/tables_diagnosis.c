@@ -70,8 +70,7 @@ static void put_steps(FILE *out, const mukca_diagnosed *diagnosed)
         const double bar = i ? 100 * error / most : 0; /* the nominal error is off the scale */
         if (isfinite(error))
             mukca_html_row(&table, tested ? "%s\t%.3f\t%.0f\t%.3f" : "%s\t%.3f\t%.0f",
-                           steps[i].name, error * MUKCA_REPORT_MM, bar,
-                           steps[i].test_m * MUKCA_REPORT_MM);
+                           steps[i].name, 1e3 * error, bar, 1e3 * steps[i].test_m);
     }
     mukca_html_table_end(&table);
 }
@@ -95,8 +94,8 @@ void mukca_report_put_causes(FILE *out, const void *content)
             sure ? mukca_wording_certainty(MUKCA_WORDS, f, d)
                  : mukca_wording_put(MUKCA_WORDS, "maybe, %.0f %%", 100 * f->group.probability);
         mukca_html_row(&table, "%s\t%.3f [%.3f, %.3f]\t%s\t%s",
-                       mukca_wording_finding(MUKCA_WORDS, f, d), f->size_m.value * MUKCA_REPORT_MM,
-                       f->size_m.low * MUKCA_REPORT_MM, f->size_m.high * MUKCA_REPORT_MM, certainty,
+                       mukca_wording_finding(MUKCA_WORDS, f, d), 1e3 * f->size_m.value,
+                       1e3 * f->size_m.low, 1e3 * f->size_m.high, certainty,
                        mukca_wording_alternatives(MUKCA_WORDS, f, d));
     }
     mukca_html_table_end(&table);
