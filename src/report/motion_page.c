@@ -220,13 +220,12 @@ static void open_page(FILE *out, const void *content)
     const mukca_motion_report *r = content;
     const mukca_motion *m = r->motion;
     fprintf(out, "<p class=\"verdict %s\">", mukca_motion_verdict_name[m->verdict]);
-    if (m->n_findings)
-        mukca_html_sentence(out, "",
-                            mukca_wording_torque(MUKCA_WORDS, &m->finding[0].group, r->chain), "");
-    else
-        fputs(m->n_reference ? "These runs agree with the reference"
-                             : "Nothing was found beyond the uncertainty of the model's parameters",
-              out);
+    mukca_html_sentence(
+        out, "",
+        m->n_findings    ? mukca_wording_torque(MUKCA_WORDS, &m->finding[0].group, r->chain)
+        : m->n_reference ? "These runs agree with the reference"
+                         : "Nothing was found beyond the uncertainty of the model's parameters",
+        "");
     if (m->n_findings > 1)
         fprintf(out, ", and %d further finding%s", m->n_findings - 1, m->n_findings > 2 ? "s" : "");
     fprintf(out, ".</p>\n<p>%s.</p>\n", mukca_wording_runs(MUKCA_WORDS, m));
