@@ -205,9 +205,11 @@ static bool read_event(mukca_lcm_packet *event, mukca_lcm_log *log, const unsign
 {
     const size_t channel = (size_t)mukca_lcm_wire_get(head + 20, 4),
                  data = (size_t)mukca_lcm_wire_get(head + 24, 4);
+    const int64_t time = (int64_t)mukca_lcm_wire_get(head + 12, 8);
+    const int64_t longest = (int64_t)1 << 53; /* us: 285 years, that differences are exact */
     const off_t at = ftello(log->file);
-    if (memcmp(head, mukca_lcm_log_sync, 4) != 0 || channel == 0 ||
-        channel >= sizeof log->channel || data > MUKCA_LCM_MAX_MESSAGE)
+    if (memcmp(head, mukca_lcm_log_sync, 4) != 0 || channel == 0 || time > longest ||
+        time < -longest || channel >= sizeof log->channel || data > MUKCA_LCM_MAX_MESSAGE)
         return false;
     if (fread(log->channel, 1, channel, log->file) != channel ||
         fread(log->data, 1, data, log->file) != data) {
@@ -215,10 +217,8 @@ static bool read_event(mukca_lcm_packet *event, mukca_lcm_log *log, const unsign
         return false;
     }
     log->channel[channel] = '\0';
-    *event = (mukca_lcm_packet){.channel = log->channel,
-                                .data = log->data,
-                                .size = data,
-                                .time = (int64_t)mukca_lcm_wire_get(head + 12, 8)};
+    *event =
+        (mukca_lcm_packet){.channel = log->channel, .data = log->data, .size = data, .time = time};
     return true;
 }
 

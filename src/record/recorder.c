@@ -57,9 +57,9 @@ static bool choose_channel(mukca_stream *stream, int n_joints)
  * disk. */
 static const double requests_per_s = 50, first_requests = 40, most_requests = 100;
 
-/* Tolerated clock difference between signer and receiver, us: clocks set by hand agree within
+/* Tolerated clock difference between signer and receiver, s: clocks set by hand agree within
  * seconds.  A recorded request cannot be replayed, which permits a wide tolerance. */
-static const int64_t fresh_us = 10000000;
+static const double fresh = 10;
 
 bool mukca_budget_take(mukca_budget *b, int64_t now, double rate, double first, double most)
 {
@@ -107,11 +107,11 @@ mukca_status mukca_requests_check_signature(mukca_recorder *r, const mukca_lcm_p
     if (!mukca_lcm_signature_check(&r->requests.key, packet))
         return mukca_fail(error, MUKCA_NEGATIVE,
                           "not signed with the key that is required here: send it with --key FILE");
-    int64_t ahead = utime - packet->time;
-    if (ahead > fresh_us || ahead < -fresh_us)
+    const double ahead = 1e-6 * ((double)utime - (double)packet->time); /* utime: any number */
+    if (fabs(ahead) > fresh)
         return mukca_fail(error, MUKCA_NEGATIVE,
-                          "signed %.0f s %s: synchronise the clocks of both machines",
-                          1e-6 * fabs((double)ahead), ahead > 0 ? "in the future" : "ago");
+                          "signed %.0f s %s: synchronise the clocks of both machines", fabs(ahead),
+                          ahead > 0 ? "in the future" : "ago");
     if (utime <= r->requests.last_signed)
         return mukca_fail(error, MUKCA_NEGATIVE,
                           "not newer than the last signed request, or sent twice: send another");
