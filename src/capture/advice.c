@@ -2,7 +2,6 @@
  * samples. */
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "base/pool.h"
 #include "capture/capture.h"

@@ -91,11 +91,11 @@ bool mukca_capture_due(int *socket, char text[MUKCA_CAPTURE_TEXT], mukca_capture
     if (find_posture(capture, sample.q, least_difference) >= 0) return false;
     mukca_fk_position(x, &capture->geometry, sample.q, NULL);
     int nearest = nearest_socket(&how_far, capture, x, -1, false);
-    const char *label = nearest < 0 || how_far < 0.5 * s->distance ? NULL : empty_label(capture);
     *socket = nearest < 0 ? capture->socket : nearest;
     if (nearest < 0 || how_far < 0.4 * s->distance) return true;
-    if (label && how_far < 1.5 * s->distance &&
-        !mukca_capture_select(capture, mukca_capture_placement(capture), label, &unsaid)) {
+    const bool apart = how_far >= 0.5 * s->distance && how_far < 1.5 * s->distance;
+    const char *label = apart ? empty_label(capture) : NULL;
+    if (label && !mukca_capture_select(capture, mukca_capture_placement(capture), label, &unsaid)) {
         *socket = capture->socket;
         return true;
     }
@@ -219,11 +219,9 @@ static void remark(char text[MUKCA_CAPTURE_TEXT], mukca_capture *capture, int tw
     const mukca_socket *sockets = rows->sockets;
     const char *other = n ? other_socket(capture, off, nearest, how_far) : NULL;
     if (!n && nearest >= 0 && how_far < 0.4 * capture->settings.distance)
-        other = sockets[nearest].label;
-    if (other && !n)
         snprintf(text, MUKCA_CAPTURE_TEXT,
                  "only %.1f mm from socket %.40s: is the ball really in socket %.40s?",
-                 1e3 * how_far, other, sockets[capture->socket].label);
+                 1e3 * how_far, sockets[nearest].label, sockets[capture->socket].label);
     else if (other)
         snprintf(
             text, MUKCA_CAPTURE_TEXT,

@@ -60,11 +60,12 @@ static void read_keys(session *s)
 
 static mukca_status confirm_map(session *s)
 {
-    char text[4096], answer[16] = "";
+    char lines[4096], answer[16] = "";
+    mukca_text text = MUKCA_TEXT(lines);
     mukca_recorder *r = &s->recorder;
-    mukca_stream_describe_map(r, text, sizeof text);
-    cli_log(s->call, "%s", text);
-    if (!mukca_stream_needs_confirmation(r)) return MUKCA_OK;
+    mukca_stream_describe_map(&text, r);
+    cli_log(s->call, "%s", lines);
+    if (r->stream.map.confirmed) return MUKCA_OK;
     if (s->keys < 0)
         return cli_fail(s->call, MUKCA_USAGE,
                         "%s sends no joint names; if the mapping above is right, add --map order",
@@ -248,8 +249,10 @@ static mukca_status prepare(session *s)
     const cli_common *c = call->common;
     mukca_recorder *r = &s->recorder;
     const cli_model *model = &call->session->model;
-    const mukca_recorder_hooks hooks = {
-        .report = report, .trigger = may_trigger, .interrupted = cli_interrupted, .context = s};
+    const mukca_recorder_hooks hooks = {.report = {report, s},
+                                        .trigger = may_trigger,
+                                        .interrupted = cli_interrupted,
+                                        .context = s};
     cli_live_complete(&o->live, c);
     mukca_status status = mukca_recorder_open(r, &o->live.recorder, &model->chain,
                                               model->offsets.theta, &hooks, &call->error);

@@ -123,12 +123,11 @@ static void print_shared(cli_call *call, const mukca_fleet *f)
         const char *key = ripple ? "Ripple" : "Shared";
         int shown = 0;
         for (int i = 0; i < t->n; i++) {
-            char words[MUKCA_WORDING];
             if (t->list[i].probability < MUKCA_SHARED ||
                 (t->list[i].effect.variant.order > 0) != ripple)
                 continue;
-            mukca_wording_fleet_trait(words, &t->list[i], f);
-            cli_say(call, shown++ ? "" : key, "%s", words);
+            cli_say(call, shown++ ? "" : key, "%s",
+                    mukca_wording_fleet_trait(MUKCA_WORDS, &t->list[i], f));
         }
         if (!shown) cli_say(call, key, ripple ? "no shared order" : "no elastic coefficient");
     }
@@ -137,13 +136,10 @@ static void print_shared(cli_call *call, const mukca_fleet *f)
 static void print_departures(cli_call *call, const mukca_fleet *f)
 {
     const mukca_departure *d = f->ranked, *const end = d + f->n_arms;
-    char words[MUKCA_WORDING];
     if (!(d->probability >= MUKCA_DEPARTS))
         cli_say(call, "Departs", f->n_arms < 3 ? "not testable with two arms" : "no arm");
-    for (const char *key = "Departs"; d < end && d->probability >= MUKCA_DEPARTS; d++, key = "") {
-        mukca_wording_fleet_departure(words, d, f);
-        cli_say(call, key, "%s", words);
-    }
+    for (const char *key = "Departs"; d < end && d->probability >= MUKCA_DEPARTS; d++, key = "")
+        cli_say(call, key, "%s", mukca_wording_fleet_departure(MUKCA_WORDS, d, f));
 }
 
 static mukca_status print(cli_call *call)

@@ -53,8 +53,7 @@ static mukca_status run(cli_call *call)
     mukca_server *s = &w->server;
     const cli_model *model = &call->session->model;
     mukca_server_options *options = &o->server;
-    const mukca_recorder_hooks hooks = {
-        .report = report, .interrupted = cli_interrupted, .context = w};
+    const mukca_recorder_hooks hooks = {.report = {report, w}, .interrupted = cli_interrupted};
     w->quiet = call->common->quiet;
     o->live.recorder.triggers = true;
     cli_live_complete(&o->live, call->common);

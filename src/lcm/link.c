@@ -178,7 +178,7 @@ mukca_status mukca_lcm_link_publish(mukca_lcm_link *link, const char *channel, c
  * bytes) ---- */
 
 enum { HEADER = 28 };
-static const unsigned char sync_word[4] = {0xED, 0xA1, 0xDA, 0x01};
+const unsigned char mukca_lcm_log_sync[4] = {0xED, 0xA1, 0xDA, 0x01};
 
 mukca_status mukca_lcm_log_open(mukca_lcm_log *log, const char *path, mukca_error *error)
 {
@@ -205,9 +205,11 @@ static bool read_event(mukca_lcm_packet *event, mukca_lcm_log *log, const unsign
 {
     const size_t channel = (size_t)mukca_lcm_wire_get(head + 20, 4),
                  data = (size_t)mukca_lcm_wire_get(head + 24, 4);
+    const int64_t time = (int64_t)mukca_lcm_wire_get(head + 12, 8);
+    const int64_t longest = (int64_t)1 << 53; /* us: 285 years, that differences are exact */
     const off_t at = ftello(log->file);
-    if (memcmp(head, sync_word, 4) != 0 || channel == 0 || channel >= sizeof log->channel ||
-        data > MUKCA_LCM_MAX_MESSAGE)
+    if (memcmp(head, mukca_lcm_log_sync, 4) != 0 || channel == 0 || time > longest ||
+        time < -longest || channel >= sizeof log->channel || data > MUKCA_LCM_MAX_MESSAGE)
         return false;
     if (fread(log->channel, 1, channel, log->file) != channel ||
         fread(log->data, 1, data, log->file) != data) {
@@ -215,10 +217,8 @@ static bool read_event(mukca_lcm_packet *event, mukca_lcm_log *log, const unsign
         return false;
     }
     log->channel[channel] = '\0';
-    *event = (mukca_lcm_packet){.channel = log->channel,
-                                .data = log->data,
-                                .size = data,
-                                .time = (int64_t)mukca_lcm_wire_get(head + 12, 8)};
+    *event =
+        (mukca_lcm_packet){.channel = log->channel, .data = log->data, .size = data, .time = time};
     return true;
 }
 
@@ -228,7 +228,7 @@ bool mukca_lcm_log_read(mukca_lcm_packet *event, mukca_lcm_log *log)
     size_t n = 0;
     while (log->file && (n += fread(head + n, 1, HEADER - n, log->file)) == HEADER) {
         if (read_event(event, log, head)) return true;
-        const unsigned char *next = memchr(head + 1, sync_word[0], HEADER - 1);
+        const unsigned char *next = memchr(head + 1, mukca_lcm_log_sync[0], HEADER - 1);
         const size_t skip = next ? (size_t)(next - head) : HEADER;
         log->skipped += (int64_t)skip;
         n -= skip;

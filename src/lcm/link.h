@@ -60,6 +60,9 @@ void mukca_lcm_link_close(mukca_lcm_link *link);
 
 /* ---- event logs of lcm-logger, read with bounded lengths ---- */
 
+/* First bytes of an event, and so of a log. */
+extern const unsigned char mukca_lcm_log_sync[4];
+
 /* Errors: MUKCA_INPUT (cannot be opened). */
 mukca_status mukca_lcm_log_open(mukca_lcm_log *log, const char *path, mukca_error *error);
 

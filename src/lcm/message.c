@@ -82,31 +82,23 @@ static void put(writer *w, const void *bytes, uint64_t number, size_t n)
     w->used += n;
 }
 
-static void put_element(writer *w, mukca_lcm_primitive type, const char *from)
+static void put_element(writer *w, mukca_lcm_primitive type, const void *from)
 {
-    const char *text = NULL;
-    uint64_t number = 0;
-    int small = 0;
-    bool flag = false;
-    switch (type) {
-        case MUKCA_LCM_STRING:
-            memcpy(&text, from, sizeof text);
-            if (!text) text = "";
-            put(w, NULL, strlen(text) + 1, 4);
-            put(w, text, 0, strlen(text) + 1);
-            if (w->used <= w->size) mukca_utf8_mend((char *)w->at + w->used - strlen(text) - 1);
-            return;
-        case MUKCA_LCM_BOOLEAN:
-            memcpy(&flag, from, sizeof flag);
-            number = flag;
-            break;
-        case MUKCA_LCM_INT32:
-            memcpy(&small, from, sizeof small);
-            number = (uint32_t)small;
-            break;
-        default:
-            memcpy(&number, from, sizeof number);
+    uint64_t number;
+    if (type == MUKCA_LCM_STRING) {
+        const char *const *given = from, *text = *given ? *given : "";
+        const size_t size = strlen(text) + 1;
+        put(w, NULL, size, 4);
+        put(w, text, 0, size);
+        if (w->used <= w->size) mukca_utf8_mend((char *)w->at + w->used - size);
+        return;
     }
+    if (type == MUKCA_LCM_BOOLEAN)
+        number = *(const bool *)from;
+    else if (type == MUKCA_LCM_INT32)
+        number = (uint32_t) * (const int *)from;
+    else
+        memcpy(&number, from, sizeof number);
     put(w, NULL, number, mukca_lcm_primitive_sizes[type]);
 }
 
@@ -127,23 +119,23 @@ size_t mukca_message_encode(void *buffer, size_t size, mukca_message_kind kind, 
 
 /* ---- decode ---- */
 
-static bool decode_element(mukca_lcm_wire *wire, const member *m, char *to)
+static bool decode_element(mukca_lcm_wire *wire, mukca_lcm_primitive type, void *to)
 {
-    if (m->type == MUKCA_LCM_STRING) {
-        const char *text = mukca_lcm_wire_text(wire);
-        memcpy(to, &text, sizeof text);
-        return text != NULL; /* who uses it checks it, and answers */
+    if (type == MUKCA_LCM_STRING) {
+        const char **text = to;
+        *text = mukca_lcm_wire_text(wire);
+        return *text != NULL; /* who uses it checks it, and answers */
     }
-    const int size = mukca_lcm_primitive_sizes[m->type];
+    const int size = mukca_lcm_primitive_sizes[type];
     const unsigned char *at = mukca_lcm_wire_bytes(wire, (size_t)size);
     if (!at) return false;
-    uint64_t number = mukca_lcm_wire_get(at, size);
-    int small = (int)(uint32_t)number;
-    bool flag = number != 0;
-    const void *value = m->type == MUKCA_LCM_BOOLEAN ? (const void *)&flag
-                        : m->type == MUKCA_LCM_INT32 ? (const void *)&small
-                                                     : (const void *)&number;
-    memcpy(to, value, m->size);
+    const uint64_t number = mukca_lcm_wire_get(at, size);
+    if (type == MUKCA_LCM_BOOLEAN)
+        *(bool *)to = number != 0;
+    else if (type == MUKCA_LCM_INT32)
+        *(int *)to = (int)(uint32_t)number;
+    else
+        memcpy(to, &number, sizeof number);
     return true;
 }
 
@@ -161,7 +153,7 @@ mukca_status mukca_message_decode(void *message, mukca_message_kind kind, const 
         const int count = count_elements(m, n);
         good = count >= 0;
         for (int k = 0; k < count && good; k++)
-            good = decode_element(&wire, m, at + (size_t)k * m->size);
+            good = decode_element(&wire, m->type, at + (size_t)k * m->size);
         if (m->type == MUKCA_LCM_INT32) n = (const void *)at;
     }
     const bool request = kind == MUKCA_MESSAGE_TRIGGER || kind == MUKCA_MESSAGE_COMMAND;

@@ -314,17 +314,42 @@ static mukca_line_kind read_trigger(mukca_joint_lines *l, json_t *message, mukca
                      label ? "a text or an integer is needed"
                            : "a trigger has the members trigger, placement and socket");
     }
-    l->id = json_integer_value(json_object_get(message, "trigger"));
-    l->placement = keep_label(l, json_object_get(message, "placement"));
-    l->socket = keep_label(l, json_object_get(message, "socket"));
+    l->trigger =
+        (mukca_message_trigger){.id = json_integer_value(json_object_get(message, "trigger")),
+                                .placement = keep_label(l, json_object_get(message, "placement")),
+                                .socket = keep_label(l, json_object_get(message, "socket"))};
     return MUKCA_LINE_TRIGGER;
+}
+
+/* A joint state: arrays, or one member per joint. */
+static mukca_line_kind read_state(mukca_lcm_joints *joints, mukca_joint_lines *l, json_t *message,
+                                  mukca_error *error)
+{
+    const bool arrays = json_object_get(message, "position") != NULL;
+    const int64_t stamp = read_stamp(message);
+    bool good = true;
+    const char *key;
+    json_t *value;
+    json_object_foreach(message, key, value)
+    {
+        const bool empty = json_is_null(value) || (json_is_array(value) && !json_array_size(value));
+        if ((!json_is_number(value) && !empty) || (arrays && !time_unit(key))) continue;
+        good = good && put(joints, l, key, number(value));
+    }
+    if (stamp) joints->time = stamp, l->timed = true;
+    l->format = "JSON lines";
+    if (good && (arrays ? read_arrays(joints, l, message) : joints->has[MUKCA_LCM_ROLE_POSITION]))
+        return MUKCA_LINE_JOINTS;
+    return fault(error,
+                 "no joint state: \"position\" must be 1 to %d numbers, and name, velocity, effort "
+                 "as many or none; or one member per joint",
+                 (int)MUKCA_LCM_MAX_JOINTS);
 }
 
 static mukca_line_kind parse_object(mukca_lcm_joints *joints, mukca_joint_lines *l,
                                     const char *line, mukca_error *error)
 {
     json_error_t wrong;
-    mukca_line_kind kind = MUKCA_LINE_FAULT;
     memcpy(l->text, line, strlen(line) + 1);
     bool quoted = false;
     for (char *at = l->text; *at; at++) { /* Python writes NaN, JSON lacks it */
@@ -335,35 +360,10 @@ static mukca_line_kind parse_object(mukca_lcm_joints *joints, mukca_joint_lines 
     if (!root) return fault(error, "column %d: %.100s", wrong.column, wrong.text);
     json_t *message = json_object_get(root, "msg"); /* as a ROS bridge sends it */
     if (!json_is_object(message)) message = root;
-    const bool trigger = json_object_get(message, "trigger") != NULL;
-    const bool arrays = json_object_get(message, "position") != NULL;
-    bool good = true;
-    const char *key;
-    json_t *value;
     clear(joints, l);
-    if (trigger) {
-        kind = read_trigger(l, message, error);
-    } else {
-        json_object_foreach(message, key, value)
-        {
-            const bool empty =
-                json_is_null(value) || (json_is_array(value) && !json_array_size(value));
-            if ((!json_is_number(value) && !empty) || (arrays && !time_unit(key))) continue;
-            good = good && put(joints, l, key, number(value));
-        }
-        const int64_t stamp = read_stamp(message);
-        if (stamp) joints->time = stamp, l->timed = true;
-        good = good &&
-               (arrays ? read_arrays(joints, l, message) : joints->has[MUKCA_LCM_ROLE_POSITION]);
-        if (good) kind = MUKCA_LINE_JOINTS;
-        l->format = "JSON lines";
-    }
-    if (kind == MUKCA_LINE_FAULT && !trigger)
-        mukca_fail(
-            error, MUKCA_INPUT,
-            "no joint state: \"position\" must be 1 to %d numbers, and name, velocity, effort "
-            "as many or none; or one member per joint",
-            (int)MUKCA_LCM_MAX_JOINTS);
+    const mukca_line_kind kind = json_object_get(message, "trigger")
+                                     ? read_trigger(l, message, error)
+                                     : read_state(joints, l, message, error);
     json_decref(root);
     return kind;
 }

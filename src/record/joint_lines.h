@@ -4,6 +4,7 @@
 
 #include "base/cells.h"
 #include "io/runs.h"
+#include "lcm/message.h"
 #include "lcm/type.h"
 
 enum {
@@ -25,7 +26,7 @@ typedef struct {
     bool ended;
     bool file;          /* a regular file: the time of reading is not the time of recording */
     const char *format; /* of the last line with joints: "CSV", "JSON lines" or "ros2 topic echo" */
-    int number;         /* of the current line, from 1 */
+    int number;         /* of lines taken */
     int64_t arrived;    /* us, when the last bytes were read */
     size_t start, used; /* first and past-the-end index of unread bytes in `buffer` */
     bool overlong;      /* the beginning of the line was discarded */
@@ -33,10 +34,9 @@ typedef struct {
     /* the current line */
     char text[MUKCA_JOINT_LINES_SIZE];
     char *cell[MUKCA_JOINT_LINES_CELLS];
-    const char *placement, *socket; /* of a trigger, in `names`, or "" */
-    int64_t id;
-    bool timed;   /* the joint state has a time, of any sign */
-    size_t named; /* bytes used of: */
+    mukca_message_trigger trigger; /* its texts are in `names`, or "" */
+    bool timed;                    /* the joint state has a time, of any sign */
+    size_t named;                  /* bytes used of: */
     char names[MUKCA_JOINT_LINES_SIZE];
     /* the CSV header */
     int n_columns;

@@ -7,11 +7,18 @@
 #include "base/text.h"
 #include "record/recorder.h"
 
-/* Parse --map numbers, "8-14" or "1,2,4": 1-based indices of readings. */
-static mukca_status parse_map(mukca_recorder *r, mukca_error *error)
+/* Whether --map has the numbers of readings. */
+static bool is_numbered(const char *map)
+{
+    return map && strcmp(map, "name") != 0 && strcmp(map, "order") != 0;
+}
+
+/* Numbers as in "8-14" or "1,2,4": 1-based indices of readings. */
+mukca_status mukca_stream_check_map(mukca_recorder *r, mukca_error *error)
 {
     mukca_stream *stream = &r->stream;
     const char *at = r->options->map;
+    if (!is_numbered(at)) return MUKCA_OK;
     int n = 0, joints = r->chain->n_joints;
     while (*at) {
         char *end;
@@ -113,14 +120,13 @@ static mukca_status make_map(mukca_recorder *r)
                           "channel %s sends no joint names: --map order goes by the chain's order",
                           stream->channel);
     if (named && (!map || strcmp(map, "name") == 0)) return map_by_name(r);
-    if (map && strcmp(map, "order") != 0) {
-        mukca_status status = parse_map(r, &stream->problem);
-        for (int j = 0; j < joints && !status; j++)
+    if (is_numbered(map)) {
+        for (int j = 0; j < joints; j++)
             if (stream->map.reading[j] >= n)
-                status = mukca_fail(&stream->problem, MUKCA_INPUT,
-                                    "--map names reading %d, but channel %s sends only %d",
-                                    stream->map.reading[j] + 1, stream->channel, n);
-        return status;
+                return mukca_fail(&stream->problem, MUKCA_INPUT,
+                                  "--map names reading %d, but channel %s sends only %d",
+                                  stream->map.reading[j] + 1, stream->channel, n);
+        return MUKCA_OK;
     }
     if (n != joints)
         return mukca_fail(&stream->problem, MUKCA_INPUT,
@@ -147,28 +153,13 @@ mukca_status mukca_stream_make_map(mukca_recorder *r)
     return status;
 }
 
-mukca_status mukca_stream_check_map(mukca_recorder *r, mukca_error *error)
-{
-    const char *map = r->options->map;
-    bool numbers = map && strcmp(map, "name") != 0 && strcmp(map, "order") != 0;
-    return numbers ? parse_map(r, error) : MUKCA_OK;
-}
-
-bool mukca_stream_needs_confirmation(const mukca_recorder *r)
+void mukca_stream_describe_map(mukca_text *text, const mukca_recorder *r)
 {
     const mukca_stream *stream = &r->stream;
-    return stream->map.made && !stream->map.by_name && !r->options->map;
-}
-
-void mukca_stream_describe_map(const mukca_recorder *r, char *lines, size_t size)
-{
-    const mukca_stream *stream = &r->stream;
-    mukca_text text = {.size = size};
-    text.at = lines; /* clang-tidy misses this use in an initialiser */
-    mukca_text_put(&text, "%s (%s), %d readings, mapped by %s:\n", stream->channel,
+    mukca_text_put(text, "%s (%s), %d readings, mapped by %s:\n", stream->channel,
                    mukca_stream_type(r), stream->map.n, stream->map.by_name ? "name" : "order");
     for (int j = 0; j < r->chain->n_joints; j++)
-        mukca_text_put(&text, "  reading %2d  %-24s ->  %-24s now %9.4f rad\n",
+        mukca_text_put(text, "  reading %2d  %-24s ->  %-24s now %9.4f rad\n",
                        stream->map.reading[j] + 1, stream->map.name[j],
                        mukca_chain_joint_name(r->chain, j), stream->last.reading.q[j]);
 }

@@ -38,7 +38,7 @@ void mukca_recorder_note(void *context, const char *text)
     mukca_recorder *r = context;
     snprintf(r->reports.last_line, sizeof r->reports.last_line, "%s", text);
     mukca_utf8_mend(r->reports.last_line); /* of the network's texts */
-    if (r->hooks.report) r->hooks.report(r->hooks.context, r->reports.last_line);
+    if (r->hooks.report.write) r->hooks.report.write(r->hooks.report.context, r->reports.last_line);
 }
 
 bool mukca_recorder_reported(const mukca_recorder *r, mukca_recorder_trouble kind)
@@ -105,7 +105,7 @@ bool mukca_recorder_publish(mukca_recorder *r, mukca_message_kind kind, const vo
     bool sent = size && mukca_lcm_link_publish(&r->link, channel, large ? large : r->outgoing, size,
                                                &error) == MUKCA_OK;
     if (size && !sent) mukca_recorder_warn(r, MUKCA_RECORDER_OWN_MESSAGE, "%s", error.text);
-    if (large) free(large);
+    free(large);
     return sent;
 }
 

@@ -57,9 +57,9 @@ static bool choose_channel(mukca_stream *stream, int n_joints)
  * disk. */
 static const double requests_per_s = 50, first_requests = 40, most_requests = 100;
 
-/* Tolerated clock difference between signer and receiver, us: clocks set by hand agree within
+/* Tolerated clock difference between signer and receiver, s: clocks set by hand agree within
  * seconds.  A recorded request cannot be replayed, which permits a wide tolerance. */
-static const int64_t fresh_us = 10000000;
+static const double fresh = 10;
 
 bool mukca_budget_take(mukca_budget *b, int64_t now, double rate, double first, double most)
 {
@@ -107,11 +107,11 @@ mukca_status mukca_requests_check_signature(mukca_recorder *r, const mukca_lcm_p
     if (!mukca_lcm_signature_check(&r->requests.key, packet))
         return mukca_fail(error, MUKCA_NEGATIVE,
                           "not signed with the key that is required here: send it with --key FILE");
-    int64_t ahead = utime - packet->time;
-    if (ahead > fresh_us || ahead < -fresh_us)
+    const double ahead = 1e-6 * ((double)utime - (double)packet->time); /* utime: any number */
+    if (fabs(ahead) > fresh)
         return mukca_fail(error, MUKCA_NEGATIVE,
-                          "signed %.0f s %s: synchronise the clocks of both machines",
-                          1e-6 * fabs((double)ahead), ahead > 0 ? "in the future" : "ago");
+                          "signed %.0f s %s: synchronise the clocks of both machines", fabs(ahead),
+                          ahead > 0 ? "in the future" : "ago");
     if (utime <= r->requests.last_signed)
         return mukca_fail(error, MUKCA_NEGATIVE,
                           "not newer than the last signed request, or sent twice: send another");
@@ -185,13 +185,12 @@ static mukca_status open_link(mukca_recorder *r, mukca_error *error)
     stream->count = (mukca_stream_count){.received = 0};
     stream->sender = (mukca_stream_sender){.id = 0};
     stream->silence = (mukca_stream_silence){.begun = false};
+    stream->search = (mukca_stream_search){.n_heard = 0};
     stream->last.arrival = 0;
     memset(&r->reports, 0, offsetof(mukca_recorder_reports, last_line));
     mukca_lcm_network network = r->options->network;
     network.none = stream->lines && !r->options->triggers;
-    mukca_status status = mukca_lcm_link_open(&r->link, &network, receive, r, error);
-    stream->search = (mukca_stream_search){.n_heard = 0};
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(mukca_lcm_link_open(&r->link, &network, receive, r, error));
     stream->search.opened = mukca_lcm_link_clock(&r->link);
     listen_to(r, !stream->map.made && !stream->lines);
     return MUKCA_OK;
@@ -201,8 +200,7 @@ static mukca_status read_types(mukca_recorder *r, mukca_error *error)
 {
     const mukca_recorder_types *o = &r->options->types;
     mukca_lcm_types *types = &r->stream.types;
-    mukca_status status = mukca_lcm_types_init(types, error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(mukca_lcm_types_init(types, error));
     if (o->n && !o->position)
         return mukca_fail(
             error, MUKCA_USAGE,
@@ -213,6 +211,7 @@ static mukca_status read_types(mukca_recorder *r, mukca_error *error)
     for (int i = 0; i < o->n; i++) MUKCA_TRY(mukca_lcm_types_read(types, o->file[i], error));
     /* from the last struct backwards, as nested types come first */
     int t = types->n_types;
+    mukca_status status;
     do status = mukca_lcm_type_set_role(types, --t, MUKCA_LCM_ROLE_POSITION, o->position, error);
     while (status != MUKCA_OK && t > MUKCA_LCM_STATES);
     if (status != MUKCA_OK) return status;
@@ -245,18 +244,17 @@ mukca_status mukca_recorder_open(mukca_recorder *r, const mukca_recorder_options
     r->chain = chain;
     r->hooks = *hooks;
     r->stream.type = -1;
-    mukca_status status = read_types(r, error);
-    if (status == MUKCA_OK) status = mukca_sampling_prepare(r, theta, error);
-    if (status == MUKCA_OK) status = mukca_stream_check_map(r, error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(read_types(r, error));
+    MUKCA_TRY(mukca_sampling_prepare(r, theta, error));
+    MUKCA_TRY(mukca_stream_check_map(r, error));
     if (options->channel && strlen(options->channel) >= sizeof r->stream.channel)
         return mukca_fail(error, MUKCA_USAGE, "--channel: at most 63 characters");
     if (options->channel) memcpy(r->stream.channel, options->channel, strlen(options->channel) + 1);
     mukca_message_channel(r->requests.trigger_channel, MUKCA_MESSAGE_TRIGGER, options->prefix);
     mukca_message_channel(r->requests.command_channel, MUKCA_MESSAGE_COMMAND, options->prefix);
-    if (options->lines) status = open_lines(r, error);
-    if (status != MUKCA_OK) return status;
-    if (options->key) status = mukca_lcm_key_read(&r->requests.key, options->key, error);
+    mukca_status status = options->lines ? open_lines(r, error) : MUKCA_OK;
+    if (status == MUKCA_OK && options->key)
+        status = mukca_lcm_key_read(&r->requests.key, options->key, error);
     if (status == MUKCA_OK) status = open_link(r, error);
     /* requests signed before the start may have been accepted by an earlier process */
     if (status == MUKCA_OK && !r->link.replays) r->requests.last_signed = r->stream.search.opened;

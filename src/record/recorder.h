@@ -51,8 +51,8 @@ mukca_status mukca_stream_wait_lines(mukca_recorder *r, int timeout_ms, int othe
 
 /* ---- which reading of a message is which joint (map.c) ---- */
 
-/* Read --map; and set the mapping from the first message, with the reason of a failure in
- * r->stream.problem. */
+/* Read the numbers of --map; and set the mapping from the first message, with the reason of a
+ * failure in r->stream.problem. */
 mukca_status mukca_stream_check_map(mukca_recorder *r, mukca_error *error);
 mukca_status mukca_stream_make_map(mukca_recorder *r);
 
@@ -60,10 +60,8 @@ mukca_status mukca_stream_make_map(mukca_recorder *r);
  * list joints in any order, mixed with others).  False: joint *missing is not there. */
 bool mukca_stream_find_names(mukca_stream *stream, int *missing, int n_joints);
 
-/* Whether the mapping follows from the order of readings alone; and the mapping as lines, with the
- * sender's names next to the arm's. */
-bool mukca_stream_needs_confirmation(const mukca_recorder *r);
-void mukca_stream_describe_map(const mukca_recorder *r, char *text, size_t size);
+/* Append the mapping as lines, with the sender's names next to the arm's. */
+void mukca_stream_describe_map(mukca_text *text, const mukca_recorder *r);
 
 /* ---- the session: samples on disk before they are acknowledged (session.c) ---- */
 

@@ -11,9 +11,6 @@
 #include "io/export.h"
 #include "lcm/link.h"
 
-/* First bytes of an event of lcm-logger. */
-static const unsigned char sync_word[4] = {0xed, 0xa1, 0xda, 0x01};
-
 typedef struct {
     const mukca_chain *chain;
     const mukca_run_options *options;
@@ -148,7 +145,7 @@ mukca_status mukca_run_load(mukca_run *run, mukca_pool *pool, const char *path,
     reader r = {.chain = chain, .options = o, .path = path, .error = error};
     const int file = strcmp(path, "-") == 0 ? -1 : open(path, O_RDONLY | O_CLOEXEC);
     const ssize_t n = file < 0 ? 0 : pread(file, head, sizeof head - 1, 0);
-    const bool log = n >= 4 && memcmp(head, sync_word, 4) == 0;
+    const bool log = n >= 4 && memcmp(head, mukca_lcm_log_sync, 4) == 0;
     const bool lines = !log && n > 0 && is_message(head);
     if (log) read_log(&r);
     if (lines) read_lines(&r, file);

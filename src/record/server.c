@@ -140,8 +140,7 @@ static mukca_status start(mukca_server *s, const char *name, mukca_error *answer
         return mukca_fail(
             answer, MUKCA_TRANSPORT, "no joint states yet: %.200s",
             r->stream.problem.status ? r->stream.problem.text : "is the robot's driver running?");
-    mukca_status allowed = may_start(s, name, answer);
-    if (allowed != MUKCA_OK) return allowed;
+    MUKCA_TRY(may_start(s, name, answer));
     memset(&s->state, 0, offsetof(mukca_server_state, model));
     snprintf(s->state.session, sizeof s->state.session, "%s", name);
     s->session_begun = false;
@@ -221,15 +220,13 @@ static mukca_status obey(mukca_server *s, const mukca_lcm_packet *packet,
                          const mukca_message_command *command, mukca_error *answer)
 {
     const char *verb = command->verb;
-    mukca_status status =
-        mukca_requests_check_signature(&s->recorder, packet, command->utime, answer);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(mukca_requests_check_signature(&s->recorder, packet, command->utime, answer));
     for (int i = 0; i < STATUS; i++) {
         if (strcmp(verb, mukca_server_verbs[i]) != 0 || command->n > most_arguments[i]) continue;
         if (!(s->rights >> i & 1u))
             return mukca_fail(answer, MUKCA_NEGATIVE,
                               "not accepted: start serve with --accept naming %s", verb);
-        if (i != RIGHT_result) status = control(s, packet, answer);
+        const mukca_status status = i == RIGHT_result ? MUKCA_OK : control(s, packet, answer);
         if (status != MUKCA_OK) return status;
         answer->text[0] = '\0';
         return execute(s, i, command, answer);
@@ -260,12 +257,6 @@ static void on_command(void *context, const mukca_lcm_packet *packet)
 
 /* ---- the daemon ---- */
 
-static void report(void *context, const char *line)
-{
-    const mukca_server *s = context;
-    if (s->hooks.report) s->hooks.report(s->hooks.context, line);
-}
-
 static mukca_status may_trigger(void *context, const mukca_lcm_packet *packet, mukca_error *error)
 {
     mukca_server *s = context;
@@ -279,7 +270,7 @@ mukca_status mukca_server_open(mukca_server *s, const mukca_server_options *opti
                                const mukca_chain *chain, const double *theta,
                                const mukca_recorder_hooks *hooks, mukca_error *error)
 {
-    mukca_recorder_hooks forward = {.report = report,
+    mukca_recorder_hooks forward = {.report = hooks->report,
                                     .interrupted = hooks->interrupted,
                                     .command = on_command,
                                     .trigger = may_trigger,
@@ -287,15 +278,11 @@ mukca_status mukca_server_open(mukca_server *s, const mukca_server_options *opti
                                     .context = s};
     memset(s, 0, sizeof *s);
     s->options = options;
-    s->hooks = *hooks;
     mukca_row_state_stream(&s->pose.states, chain->n_joints);
-    mukca_status status = read_rights(s, error);
-    if (status == MUKCA_OK) status = mukca_server_open_folder(s, error);
-    if (status == MUKCA_OK)
-        status =
-            mukca_recorder_open(&s->recorder, &options->recorder, chain, theta, &forward, error);
-    if (status == MUKCA_OK) status = mukca_server_load_state(s, error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(read_rights(s, error));
+    MUKCA_TRY(mukca_server_open_folder(s, error));
+    MUKCA_TRY(mukca_recorder_open(&s->recorder, &options->recorder, chain, theta, &forward, error));
+    MUKCA_TRY(mukca_server_load_state(s, error));
     mukca_error problem; /* serves without a model, too */
     if (mukca_server_load_model(s, &problem))
         mukca_recorder_report(&s->recorder, "no table is in use: %s", problem.text);
@@ -339,8 +326,7 @@ mukca_status mukca_server_run(mukca_server *s, mukca_error *error)
         bool failed = mukca_server_save_state(s, &problem) != MUKCA_OK;
         if (failed && !unsaved) mukca_recorder_report(r, "%s", problem.text);
         unsaved = failed;
-        const char *job = s->job.diagnosis ? "diagnose" : "calibrate";
-        mukca_sampling_publish_status(r, s->job.child ? job : NULL);
+        mukca_sampling_publish_status(r, s->job.child ? s->job.verb : NULL);
         mukca_server_notify("WATCHDOG=1");
     }
     mukca_server_notify("STOPPING=1");

@@ -65,6 +65,7 @@ typedef struct {
     pid_t child; /* 0: no job */
     int64_t id;  /* of the command */
     bool diagnosis;
+    const char *verb; /* "diagnose", else "calibrate" */
     char offsets[MUKCA_SERVER_PATH], json[MUKCA_SERVER_PATH], errors[MUKCA_SERVER_PATH];
 } mukca_server_job;
 
@@ -86,7 +87,6 @@ typedef struct {
 typedef struct {
     mukca_recorder recorder;
     const mukca_server_options *options;
-    mukca_recorder_hooks hooks; /* of the caller */
     mukca_server_state state, saved;
     unsigned rights; /* of --accept; all while a log is replayed */
     bool session_begun;

@@ -80,25 +80,24 @@ static bool set_field(mukca_server_state *state, const char *key, const char *va
 mukca_status mukca_server_load_state(mukca_server *s, mukca_error *error)
 {
     char path[MUKCA_SERVER_PATH], line[512];
-    bool whole = true;
+    mukca_status status = MUKCA_OK;
     memset(&s->state, 0, sizeof s->state);
     mukca_server_path(path, s, "", "state", ".tsv");
     FILE *file = fopen(path, "r");
     if (!file && errno != ENOENT) return mukca_file_fail(error, path);
-    for (int n = 1; whole && file && fgets(line, sizeof line, file); n++) {
+    for (int n = 1; !status && file && fgets(line, sizeof line, file); n++) {
         char *value = strchr(line, '\t');
         line[strcspn(line, "\n")] = '\0';
         if (!value) continue;
         *value++ = '\0';
-        whole = set_field(&s->state, line, value);
-        if (!whole)
-            mukca_fail(error, MUKCA_INPUT, "%s:%d: %.20s is damaged; correct or remove the line",
-                       mukca_file_shown(path), n, line);
+        if (!set_field(&s->state, line, value))
+            status = mukca_fail(error, MUKCA_INPUT,
+                                "%s:%d: %.20s is damaged; correct or remove the line",
+                                mukca_file_shown(path), n, line);
     }
     if (file && !mukca_file_close(file, NULL)) return mukca_file_fail(error, path);
-    if (!whole) return MUKCA_INPUT;
-    s->saved = s->state;
-    return MUKCA_OK;
+    if (status == MUKCA_OK) s->saved = s->state;
+    return status;
 }
 
 mukca_status mukca_server_save_state(mukca_server *s, mukca_error *error)
@@ -131,9 +130,8 @@ void mukca_server_notify(const char *text)
     int fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
     if (fd < 0) return;
     socklen_t size = (socklen_t)(offsetof(struct sockaddr_un, sun_path) + strlen(name));
-    if (sendto(fd, text, strlen(text), MSG_NOSIGNAL, (const struct sockaddr *)&address, size) < 0) {
-        /* no manager is listening */
-    }
+    /* fails if no manager is listening */
+    (void)!sendto(fd, text, strlen(text), MSG_NOSIGNAL, (const struct sockaddr *)&address, size);
     close(fd);
 }
 
@@ -194,13 +192,13 @@ static mukca_status tidy(const char *path, mukca_error *error)
 mukca_status mukca_server_open_folder(mukca_server *s, mukca_error *error)
 {
     static const char *const folders[] = {"", MUKCA_SERVER_SESSIONS, MUKCA_SERVER_RESULTS};
-    mukca_status status = make_folder(s->options->folder, error);
-    if (status == MUKCA_OK) status = lock(s, error);
-    for (int i = 0; i < 3 && status == MUKCA_OK; i++) {
+    MUKCA_TRY(make_folder(s->options->folder, error));
+    MUKCA_TRY(lock(s, error));
+    for (int i = 0; i < 3; i++) {
         char path[MUKCA_SERVER_PATH];
         mukca_server_path(path, s, "", folders[i], "");
-        status = make_folder(path, error);
-        if (status == MUKCA_OK) status = tidy(path, error);
+        MUKCA_TRY(make_folder(path, error));
+        MUKCA_TRY(tidy(path, error));
     }
-    return status;
+    return MUKCA_OK;
 }

@@ -20,11 +20,6 @@ extern char **environ;
 /* As of nice(1): about a tenth of the processor under competition. */
 static const int job_niceness = 10;
 
-static const char *verb_of(const mukca_server_job *job)
-{
-    return job->diagnosis ? "diagnose" : "calibrate";
-}
-
 static mukca_status spawn(mukca_server *s, const char *const *arguments, mukca_error *error)
 {
     posix_spawn_file_actions_t files;
@@ -145,9 +140,9 @@ static void report(mukca_server *s, mukca_status code)
         mukca_sampling_count_unwritten(&s->recorder, &error);
     }
     s->result = (mukca_message_result){
-        .id = s->job.id, .verb = verb_of(&s->job), .text = line, .code = (int)code, .json = json};
+        .id = s->job.id, .verb = s->job.verb, .text = line, .code = (int)code, .json = json};
     mukca_server_answer(s, table);
-    mukca_recorder_report(&s->recorder, "%s: %s", verb_of(&s->job), line);
+    mukca_recorder_report(&s->recorder, "%s: %s", s->job.verb, line);
     free(json);
 }
 
@@ -172,6 +167,7 @@ mukca_status mukca_server_start_job(mukca_server *s, bool diagnosis, int64_t id,
     if (!session[0]) return mukca_fail(error, MUKCA_NEGATIVE, "there is no session: start one");
     job->id = id;
     job->diagnosis = diagnosis;
+    job->verb = diagnosis ? "diagnose" : "calibrate";
     mukca_server_path(path, s, MUKCA_SERVER_SESSIONS, session, ".tsv");
     mukca_server_path(job->offsets, s, MUKCA_SERVER_RESULTS, session,
                       diagnosis ? ".effects.tsv" : ".offsets.tsv");
@@ -180,7 +176,7 @@ mukca_status mukca_server_start_job(mukca_server *s, bool diagnosis, int64_t id,
     mukca_server_path(job->errors, s, MUKCA_SERVER_RESULTS, session, ".errors.txt");
     const char *const last[] = {"-o",      job->offsets, "--json", job->json,
                                 "--force", "-q",         "--",     path};
-    const char *arguments[MUKCA_SERVER_ARGUMENTS + 12] = {"mukca", verb_of(job)};
+    const char *arguments[MUKCA_SERVER_ARGUMENTS + 12] = {"mukca", job->verb};
     int n = 2;
     for (int i = 0; s->options->arguments[i]; i++) arguments[n++] = s->options->arguments[i];
     memcpy(arguments + n, last, sizeof last); /* the remaining elements are NULL */

@@ -65,9 +65,8 @@ mukca_status mukca_server_keep_result(mukca_server *s, mukca_error *error)
 {
     mukca_server_state *state = &s->state;
     const mukca_offsets_options options = {.accept = MUKCA_ACCEPT_FAILED};
-    mukca_status status =
-        mukca_offsets_read(&s->candidate, s->recorder.chain, s->job.offsets, &options, error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(
+        mukca_offsets_read(&s->candidate, s->recorder.chain, s->job.offsets, &options, error));
     snprintf(state->candidate, sizeof state->candidate, "%s", strrchr(s->job.offsets, '/') + 1);
     snprintf(state->candidate_stream, sizeof state->candidate_stream, "%s",
              mukca_recorder_stream(&s->recorder));
@@ -129,9 +128,8 @@ static mukca_status check_change(mukca_server *s, mukca_error *error)
     mukca_difference new, old;
     const double most = s->options->most_change;
     if (!s->pose.ready) return MUKCA_OK;
-    mukca_status status = compare_tables(&new, s, s->state.candidate, error);
-    if (status == MUKCA_OK) status = compare_tables(&old, s, s->state.model, error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(compare_tables(&new, s, s->state.candidate, error));
+    MUKCA_TRY(compare_tables(&old, s, s->state.model, error));
     const double difference = 2 * new.mean_m + old.mean_m,
                  sigma = hypot(2 * new.sigma_m, old.sigma_m);
     mukca_tip_change change;

@@ -50,8 +50,7 @@ static bool placement_used(const mukca_recorder *r, const char *name)
 {
     const mukca_dataset *rows = &r->session.capture.rows;
     for (int i = 0; i < rows->n_rows; i++)
-        if (strcmp(rows->placements[rows->sockets[rows->socket[i]].placement].name, name) == 0)
-            return true;
+        if (strcmp(rows->placements[mukca_dataset_placement(rows, i)].name, name) == 0) return true;
     return false;
 }
 

@@ -21,7 +21,7 @@ enum { MUKCA_STREAM_HEARD = 24 };
 /* Which reading of a message is which joint. */
 typedef struct {
     bool made;      /* `reading` and n are set */
-    bool confirmed; /* they may be used */
+    bool confirmed; /* they may be used: not yet if they follow from the order alone */
     bool by_name;
     int reading[MUKCA_MAX_JOINTS], n;             /* index of each joint's; readings of a message */
     char name[MUKCA_MAX_JOINTS][MUKCA_NAME_SIZE]; /* the sender's, of each joint; "": none */
@@ -144,9 +144,9 @@ typedef struct {
     bool lines;                     /* read joint states as lines from standard input */
 } mukca_recorder_options;
 
-/* Callbacks; any may be NULL. */
+/* Callbacks; any may be NULL.  `context` is that of all but `report`. */
 typedef struct {
-    mukca_note_fn *report;                                           /* one line for the user */
+    mukca_notes report;                                              /* lines for the user */
     void (*joints)(void *context, int64_t time_us, const double *q); /* each usable message */
     void (*command)(void *context, const mukca_lcm_packet *packet);  /* of PREFIX_COMMAND */
     /* whether a trigger may record; MUKCA_NEGATIVE: no */

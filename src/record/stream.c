@@ -82,9 +82,9 @@ static bool was_rest(const mukca_dataset *rows, int socket)
 {
     const int last = rows->n_rows - 1;
     if (last < 0) return false;
-    const int placement = rows->sockets[rows->socket[last]].placement;
+    const int placement = mukca_dataset_placement(rows, last);
     for (int i = 0; i < last; i++)
-        if (rows->sockets[rows->socket[i]].placement == placement) return false;
+        if (mukca_dataset_placement(rows, i) == placement) return false;
     return socket < 0 || rows->sockets[socket].placement != placement;
 }
 
@@ -165,7 +165,7 @@ static bool map_first(mukca_recorder *r, int type)
     stream->type = type;
     stream->map.n = stream->last.joints.n;
     stream->map.made = true;
-    stream->map.confirmed = !mukca_stream_needs_confirmation(r);
+    stream->map.confirmed = stream->map.by_name || r->options->map;
     stream->problem.status = MUKCA_OK;
     return true;
 }
@@ -244,7 +244,7 @@ enum { BURST = 64 /* lines per call */ };
 static void refuse(mukca_recorder *r, const char *text)
 {
     mukca_stream *stream = &r->stream;
-    const int number = stream->lines->number;
+    const int number = stream->lines->number + 1;
     if (stream->map.made)
         mukca_recorder_refuse(r, MUKCA_RECORDER_MALFORMED, "%s:%d: %s: ignored", stream->channel,
                               number, text);
@@ -261,7 +261,6 @@ static bool process_line(mukca_recorder *r, const char *line)
     mukca_joint_lines *l = s->lines;
     mukca_lcm_packet packet = {.channel = s->channel, .time = l->arrived};
     const bool mapped = s->map.made;
-    l->number++;
     switch (mukca_joint_lines_parse(&s->last.joints, l, line, &error)) {
         case MUKCA_LINE_JOINTS:
             if (l->file && !l->timed) {
@@ -274,12 +273,7 @@ static bool process_line(mukca_recorder *r, const char *line)
             r->packet_time = 0;
             break;
         case MUKCA_LINE_TRIGGER:
-            if (s->connected)
-                mukca_sampling_trigger(
-                    r,
-                    &(mukca_message_trigger){
-                        .id = l->id, .placement = l->placement, .socket = l->socket},
-                    0);
+            if (s->connected) mukca_sampling_trigger(r, &l->trigger, 0);
             break;
         case MUKCA_LINE_FAULT:
             refuse(r, error.text);
@@ -287,7 +281,6 @@ static bool process_line(mukca_recorder *r, const char *line)
         case MUKCA_LINE_NONE:
             break;
     }
-    l->number--;
     if (!mapped && s->map.made) {
         s->count.received = s->last.arrival = 0; /* the line is counted when it is read again */
         return false;

@@ -4,75 +4,67 @@
 #include <math.h>
 
 #include "math/stats.h"
-#include "report/page.h"
+
+#define put mukca_wording_put /* short for this file */
 
 enum {
     MOST_ROWS = 200, /* largest number of rows of a table */
     MOST_ARMS = 24   /* likewise, of a coefficient */
 };
-static const double per = MUKCA_WORDING_PER_SPRING;
+
+/* Unit of all coefficients, and their factor from rad/(N m). */
+#define SPRING "urad/(N·m)"
+static const double per = 1e6;
 
 /* ---- wording, shared with the screen ---- */
 
-static void put_effect(char text[MUKCA_WORDING], const mukca_effect *e, const mukca_fleet *f)
+static const char *name_effect(char text[MUKCA_WORDING], const mukca_effect *e,
+                               const mukca_fleet *f)
 {
-    mukca_wording_effect(text, e->kind, e->joint < 0 ? NULL : f->model.joint[e->joint]);
+    return mukca_wording_effect(text, e->kind, e->joint < 0 ? NULL : f->model.joint[e->joint]);
 }
 
-void mukca_wording_fleet_trait(char text[MUKCA_WORDING], const mukca_trait *t, const mukca_fleet *f)
+const char *mukca_wording_fleet_trait(char text[MUKCA_WORDING], const mukca_trait *t,
+                                      const mukca_fleet *f)
 {
-    char effect[MUKCA_WORDING], probability[MUKCA_WORDING];
-    put_effect(effect, &t->effect, f);
-    mukca_wording_probability(probability, t->probability);
+    const char *effect = name_effect(MUKCA_WORDS, &t->effect, f),
+               *probability = mukca_wording_probability(MUKCA_WORDS, t->probability);
     if (t->effect.variant.order)
-        snprintf(text, MUKCA_WORDING, "%.200s, %d per turn, seen in %d of %d arms, %.60s", effect,
-                 t->effect.variant.order, t->arms, f->n_arms, probability);
-    else
-        snprintf(text, MUKCA_WORDING,
-                 "%.200s, %.3g " MUKCA_WORDING_SPRING
-                 " [%.3g, %.3g], arms differ by %.2g (%.0f %%), %.60s",
-                 effect, per * t->value, per * t->low, per * t->high, per * t->spread,
-                 100 * t->spread / t->value, probability);
+        return put(text, "%s, %d per turn, seen in %d of %d arms, %s", effect,
+                   t->effect.variant.order, t->arms, f->n_arms, probability);
+    return put(text, "%s, %.3g " SPRING " [%.3g, %.3g], arms differ by %.2g (%.0f %%), %s", effect,
+               per * t->value, per * t->low, per * t->high, per * t->spread,
+               100 * t->spread / t->value, probability);
 }
 
-void mukca_wording_fleet_departure(char text[MUKCA_WORDING], const mukca_departure *d,
-                                   const mukca_fleet *f)
+const char *mukca_wording_fleet_departure(char text[MUKCA_WORDING], const mukca_departure *d,
+                                          const mukca_fleet *f)
 {
-    char effect[MUKCA_WORDING], probability[MUKCA_WORDING], ratio[64];
-    put_effect(effect, &d->effect, f);
-    mukca_wording_probability(probability, d->probability);
+    put(text, "%s: %s ", f->arm[d->arm].name, name_effect(MUKCA_WORDS, &d->effect, f));
     if (!isfinite(d->ratio))
-        snprintf(ratio, sizeof ratio, "unlike");
+        put(text, "unlike");
     else if (d->ratio >= 1)
-        snprintf(ratio, sizeof ratio, "%.1f times softer than", d->ratio);
+        put(text, "%.1f times softer than", d->ratio);
     else
-        snprintf(ratio, sizeof ratio, "stiffer (%.1f of the deflection) than", d->ratio);
-    snprintf(text, MUKCA_WORDING,
-             "%.64s: %.200s %s %d sisters, %.3g " MUKCA_WORDING_SPRING
-             " [%.3g, %.3g] against %.3g, %.60s",
-             f->arm[d->arm].name, effect, ratio, f->n_arms - 1, per * d->value, per * d->low,
-             per * d->high, per * d->mean, probability);
-}
-
-static bool departs(const mukca_departure *d)
-{
-    return d->probability >= MUKCA_DEPARTS;
+        put(text, "stiffer (%.1f of the deflection) than", d->ratio);
+    return put(text, " %d sisters, %.3g " SPRING " [%.3g, %.3g] against %.3g, %s", f->n_arms - 1,
+               per * d->value, per * d->low, per * d->high, per * d->mean,
+               mukca_wording_probability(MUKCA_WORDS, d->probability));
 }
 
 /* ---- texts ---- */
 
 static void put_departures(FILE *out, const mukca_fleet *f, int n)
 {
-    char words[MUKCA_WORDING];
     for (int i = 0; i < n && i < MOST_ROWS; i++) {
         const mukca_departure *d = &f->ranked[i];
         const char *remedy = mukca_effect_table[d->effect.kind]->remedy;
-        mukca_wording_fleet_departure(words, d, f);
-        fputs("<li>", out);
-        mukca_html_escape(out, n > 1 ? words : f->arm[d->arm].name);
-        fputs(": ", out);
-        mukca_html_escape(out, remedy ? remedy : "inspect the transmission");
-        fputs("</li>\n", out);
+        mukca_html_element(
+            out, "li",
+            put(MUKCA_WORDS, "%s: %s",
+                n > 1 ? mukca_wording_fleet_departure(MUKCA_WORDS, d, f) : f->arm[d->arm].name,
+                remedy ? remedy : "inspect the transmission"));
+        fputc('\n', out);
     }
 }
 
@@ -81,22 +73,21 @@ static void open_page(FILE *out, const void *content)
 {
     const mukca_fleet *f = content;
     const mukca_traits *t = &f->traits;
-    char words[MUKCA_WORDING] = "No arm departs from the fleet";
     int n = 0, shared = 0;
-    for (int a = 0; a < f->n_arms; a++) n += departs(&f->arm[a].departure);
-    if (n > 1) snprintf(words, sizeof words, "%d of %d arms depart from the fleet", n, f->n_arms);
-    if (n == 1) mukca_wording_fleet_departure(words, f->ranked, f);
-    if (f->n_arms < 3) snprintf(words, sizeof words, "Departures are not testable with two arms");
+    for (int a = 0; a < f->n_arms; a++) n += f->ranked[a].probability >= MUKCA_DEPARTS;
     fprintf(out, "<p class=\"verdict %s\">", n ? "unknown" : f->n_arms < 3 ? "untestable" : "none");
-    mukca_html_escape(out, words);
+    mukca_html_escape(
+        out, f->n_arms < 3 ? "Departures are not testable with two arms"
+             : n > 1       ? put(MUKCA_WORDS, "%d of %d arms depart from the fleet", n, f->n_arms)
+             : n           ? mukca_wording_fleet_departure(MUKCA_WORDS, f->ranked, f)
+                           : "No arm departs from the fleet");
     fprintf(out,
             ".</p>\n<p>%d arms, %d sessions, %d samples.</p>\n"
             "<h2 id=\"shared\">What the arms share</h2>\n<ul>\n",
             f->n_arms, f->n_sessions, t->n_samples);
     for (int i = 0; i < t->n; i++) {
         if (t->list[i].probability < MUKCA_SHARED) continue;
-        mukca_wording_fleet_trait(words, &t->list[i], f);
-        mukca_html_element(out, "li", words);
+        mukca_html_element(out, "li", mukca_wording_fleet_trait(MUKCA_WORDS, &t->list[i], f));
         shared++;
     }
     fputs(shared ? "</ul>\n" : "<li>no elastic coefficient and no order of ripple</li></ul>\n",
@@ -115,17 +106,17 @@ static void put_coefficient(FILE *out, const mukca_fleet *f, int k)
     const mukca_trait *c = &f->traits.list[k];
     const double spread = MUKCA_SIGMAS_95 * c->spread;
     const int n = f->n_arms < MOST_ARMS ? f->n_arms : MOST_ARMS;
-    char caption[2 * MUKCA_WORDING], words[MUKCA_WORDING], probability[MUKCA_WORDING];
     mukca_html_table table = {
-        .out = out, .caption = caption, .columns = "arm|#value|bar|#from|#to|#departs"};
+        .out = out,
+        .caption =
+            put(MUKCA_WORDS,
+                "%s, " SPRING
+                ": mean %.3g [%.3g, %.3g] if shared (%s), 95 %% of the arms from %.3g to %.3g",
+                name_effect(MUKCA_WORDS, &c->effect, f), per * c->value, per * c->low,
+                per * c->high, mukca_wording_probability(MUKCA_WORDS, c->probability),
+                per * fmax(c->value - spread, 0), per * (c->value + spread)),
+        .columns = "arm|#value|bar|#from|#to|#departs"};
     double most = 0;
-    put_effect(words, &c->effect, f);
-    snprintf(caption, sizeof caption,
-             "%s, " MUKCA_WORDING_SPRING
-             ": mean %.3g [%.3g, %.3g] if shared (%s), 95 %% of the arms from %.3g to %.3g",
-             words, per * c->value, per * c->low, per * c->high,
-             mukca_wording_probability(probability, c->probability),
-             per * fmax(c->value - spread, 0), per * (c->value + spread));
     for (int i = 0; i < n; i++) most = fmax(most, f->arm[f->ranked[i].arm].estimate[k].high);
     for (int i = 0; i < n; i++) {
         const mukca_fleet_arm *arm = &f->arm[f->ranked[i].arm];

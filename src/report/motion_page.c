@@ -6,6 +6,8 @@
 #include "motion/torques.h"
 #include "report/wording_motion.h"
 
+#define put mukca_wording_put /* short for this file */
+
 /* Samples: half a figure's width in px in succession, and as many marks as stay distinct. */
 enum { START = 420, EVEN = 300 };
 
@@ -110,23 +112,23 @@ static void put_time(FILE *out, const mukca_motion_report *r, int j)
                                                            MUKCA_PLOT_AFTER};
     const mukca_motion_trace *t = r->trace;
     const char *name = mukca_chain_joint_name(r->chain, j);
-    mukca_plot plot = {.key = {[MUKCA_PLOT_AFTER] = "with findings",
-                               [MUKCA_PLOT_BEFORE] = "model",
-                               [MUKCA_PLOT_MEASURED] = "measured"},
-                       .points = r->points,
-                       .lines = true};
-    snprintf(plot.id, sizeof plot.id, "time-%d", j + 1);
-    snprintf(plot.title, sizeof plot.title, "Torque of %s over time", name);
-    snprintf(plot.label[0], sizeof *plot.label, "time, s");
-    snprintf(plot.label[1], sizeof *plot.label, "torque, N m");
+    mukca_plot plot = {
+        .id = put(MUKCA_WORDS, "time-%d", j + 1),
+        .title = put(MUKCA_WORDS, "Torque of %s over time", name),
+        .label = {"time, s", "torque, N m"},
+        .words = put(MUKCA_WORDS,
+                     "The measured torque of %s, that of the model, and that of the model with its "
+                     "parameters and the findings fitted, at the start of the first run.",
+                     name),
+        .key = {[MUKCA_PLOT_AFTER] = "with findings",
+                [MUKCA_PLOT_BEFORE] = "model",
+                [MUKCA_PLOT_MEASURED] = "measured"},
+        .points = r->points,
+        .lines = true};
     for (int k = 0; k < MUKCA_TRACES; k++)
         for (int i = 0; i < t->n_start; i++)
             plot.points[plot.n_points++] =
                 (mukca_plot_point){series[k], {t->time[i], t->torque[k][i * t->n_joints + j]}};
-    snprintf(plot.words, sizeof plot.words,
-             "The measured torque of %s, that of the model, and that of the model with its "
-             "parameters and the findings fitted, at the start of the first run.",
-             name);
     mukca_plot_put(out, &plot);
 }
 
@@ -134,15 +136,19 @@ static void put_errors(FILE *out, const mukca_motion_report *r, int j, int over)
 {
     const mukca_motion_trace *t = r->trace;
     const char *name = mukca_chain_joint_name(r->chain, j),
-               *what = over == OVER_ANGLE ? "angle" : "velocity",
-               *unit = over == OVER_ANGLE ? "rad" : "rad/s";
+               *what = over == OVER_ANGLE ? "angle" : "velocity";
     const double *x = over == OVER_ANGLE ? t->q : t->dq;
-    mukca_plot plot = {.key = {[MUKCA_PLOT_AFTER] = "with findings", [MUKCA_PLOT_BEFORE] = "model"},
-                       .points = r->points};
-    snprintf(plot.id, sizeof plot.id, "%s-%d", what, j + 1);
-    snprintf(plot.title, sizeof plot.title, "Torque error of %s over its %s", name, what);
-    snprintf(plot.label[0], sizeof *plot.label, "%s, %s", what, unit);
-    snprintf(plot.label[1], sizeof *plot.label, "model minus measured, N m");
+    mukca_plot plot = {
+        .id = put(MUKCA_WORDS, "%s-%d", what, j + 1),
+        .title = put(MUKCA_WORDS, "Torque error of %s over its %s", name, what),
+        .label = {over == OVER_ANGLE ? "angle, rad" : "velocity, rad/s",
+                  "model minus measured, N m"},
+        .words = put(MUKCA_WORDS,
+                     "The error of the torque of %s over its %s: %.3g N m rms of the model, %.3g N "
+                     "m with the findings.",
+                     name, what, rms(t, j, MUKCA_TRACE_MODEL), rms(t, j, MUKCA_TRACE_FITTED)),
+        .key = {[MUKCA_PLOT_AFTER] = "with findings", [MUKCA_PLOT_BEFORE] = "model"},
+        .points = r->points};
     for (int k = MUKCA_TRACE_MODEL; k < MUKCA_TRACES; k++)
         for (int i = t->n_start; i < t->n; i++) {
             const int at = i * t->n_joints + j;
@@ -150,10 +156,6 @@ static void put_errors(FILE *out, const mukca_motion_report *r, int j, int over)
                 (mukca_plot_point){k == MUKCA_TRACE_MODEL ? MUKCA_PLOT_BEFORE : MUKCA_PLOT_AFTER,
                                    {x[at], t->torque[k][at] - t->torque[MUKCA_TRACE_MEASURED][at]}};
         }
-    snprintf(plot.words, sizeof plot.words,
-             "The error of the torque of %s over its %s: %.3g N m rms of the model, %.3g N m with "
-             "the findings.",
-             name, what, rms(t, j, MUKCA_TRACE_MODEL), rms(t, j, MUKCA_TRACE_FITTED));
     mukca_plot_put(out, &plot);
 }
 
@@ -193,7 +195,7 @@ static void put_findings(FILE *out, const void *content)
         const mukca_motion_finding *f = sure ? &m->finding[i] : &m->maybe[i - m->n_findings];
         const char *certainty =
             sure ? mukca_wording_torque_certainty(MUKCA_WORDS, f)
-                 : mukca_wording_put(MUKCA_WORDS, "maybe, %.0f %%", 100 * f->group.probability);
+                 : put(MUKCA_WORDS, "maybe, %.0f %%", 100 * f->group.probability);
         mukca_html_row(&table, "%s\t%.3g\t%.1f\t%s\t%s",
                        mukca_wording_torque(MUKCA_WORDS, &f->group, r->chain), f->size_nm.value,
                        f->size_percent, certainty,
@@ -218,13 +220,12 @@ static void open_page(FILE *out, const void *content)
     const mukca_motion_report *r = content;
     const mukca_motion *m = r->motion;
     fprintf(out, "<p class=\"verdict %s\">", mukca_motion_verdict_name[m->verdict]);
-    if (m->n_findings)
-        mukca_html_sentence(out, "",
-                            mukca_wording_torque(MUKCA_WORDS, &m->finding[0].group, r->chain), "");
-    else
-        fputs(m->n_reference ? "These runs agree with the reference"
-                             : "Nothing was found beyond the uncertainty of the model's parameters",
-              out);
+    mukca_html_sentence(
+        out, "",
+        m->n_findings    ? mukca_wording_torque(MUKCA_WORDS, &m->finding[0].group, r->chain)
+        : m->n_reference ? "These runs agree with the reference"
+                         : "Nothing was found beyond the uncertainty of the model's parameters",
+        "");
     if (m->n_findings > 1)
         fprintf(out, ", and %d further finding%s", m->n_findings - 1, m->n_findings > 2 ? "s" : "");
     fprintf(out, ".</p>\n<p>%s.</p>\n", mukca_wording_runs(MUKCA_WORDS, m));

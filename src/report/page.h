@@ -54,9 +54,9 @@ typedef struct {
 
 /* A figure; the caption is its title: a table has the numbers. */
 typedef struct {
-    char words[1024]; /* the content as text */
-    char id[64];      /* letters, digits, '-'; unique on the page */
-    char title[160], label[2][80];
+    const char *words; /* the content as text */
+    const char *id;    /* letters, digits, '-'; unique on the page */
+    const char *title, *label[2];
     const char *key[MUKCA_PLOT_SERIES]; /* title of a series; NULL: none */
     mukca_plot_point *points;           /* [n_points] of the caller */
     int n_points;

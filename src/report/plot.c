@@ -18,6 +18,7 @@ static double round_down(double x)
 
 /* An axis: its range in the unit of the points, and in px. */
 typedef struct {
+    bool vertical;
     double low, high, from, to;
 } axis;
 
@@ -29,8 +30,7 @@ static double place(const axis *a, double value)
 /* The range of all points, with a margin. */
 static axis find_axis(const mukca_plot *p, int dimension)
 {
-    const bool vertical = dimension == 1;
-    axis a = {.low = HUGE_VAL, .high = -HUGE_VAL};
+    axis a = {.vertical = dimension == 1, .low = HUGE_VAL, .high = -HUGE_VAL};
     for (const mukca_plot_point *q = p->points; q < p->points + p->n_points; q++) {
         a.low = fmin(a.low, q->at[dimension]);
         a.high = fmax(a.high, q->at[dimension]);
@@ -39,39 +39,39 @@ static axis find_axis(const mukca_plot *p, int dimension)
     const double margin = 0.04 * (a.high - a.low);
     a.low -= margin;
     a.high += margin;
-    a.from = vertical ? HEIGHT - BOTTOM : LEFT;
-    a.to = vertical ? TOP : WIDTH - RIGHT;
+    a.from = a.vertical ? HEIGHT - BOTTOM : LEFT;
+    a.to = a.vertical ? TOP : WIDTH - RIGHT;
     return a;
 }
 
-/* A line across the plot, at a value of axis a, from one end of the other axis to its other end. */
-static void put_line(FILE *out, const char *style, bool vertical_axis, double at, const axis *other)
+/* A line across the plot, at a place on axis a, from one end of the other axis to its other end. */
+static void put_line(FILE *out, const char *style, const axis *a, double at, const axis *other)
 {
     fprintf(out,
-            vertical_axis ? "<path class=\"%s\" d=\"M%.1f %.1fH%.1f\"/>\n"
-                          : "<path class=\"%s\" d=\"M%.1f %.1fV%.1f\"/>\n",
-            style, vertical_axis ? other->from : at, vertical_axis ? at : other->from, other->to);
+            a->vertical ? "<path class=\"%s\" d=\"M%.1f %.1fH%.1f\"/>\n"
+                        : "<path class=\"%s\" d=\"M%.1f %.1fV%.1f\"/>\n",
+            style, a->vertical ? other->from : at, a->vertical ? at : other->from, other->to);
 }
 
 /* Numbers and grid of an axis. */
-static void put_numbers(FILE *out, const axis *a, const axis *other, bool vertical)
+static void put_numbers(FILE *out, const axis *a, const axis *other)
 {
     const double step = round_down((a->high - a->low) / 4);
     for (double k = ceil(a->low / step); k * step <= a->high; k++) {
         const double at = place(a, k * step);
-        put_line(out, "grid", vertical, at, other);
+        put_line(out, "grid", a, at, other);
         fprintf(out, "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"%s\">%g</text>\n",
-                vertical ? other->from - 6 : at, vertical ? at + 4 : other->from + 16,
-                vertical ? "end" : "middle", k * step + 0); /* no -0 */
+                a->vertical ? other->from - 6 : at, a->vertical ? at + 4 : other->from + 16,
+                a->vertical ? "end" : "middle", k * step + 0); /* no -0 */
     }
 }
 
 static void put_frame(FILE *out, const mukca_plot *p, const axis *x, const axis *y)
 {
-    put_numbers(out, x, y, false);
-    put_numbers(out, y, x, true);
-    put_line(out, "axis", true, y->from, x);
-    put_line(out, "axis", false, x->from, y);
+    put_numbers(out, x, y);
+    put_numbers(out, y, x);
+    put_line(out, "axis", y, y->from, x);
+    put_line(out, "axis", x, x->from, y);
     fprintf(out, "<text text-anchor=\"middle\" x=\"%.1f\" y=\"%d\">", (x->from + x->to) / 2,
             HEIGHT - 8);
     mukca_html_escape(out, p->label[0]);

@@ -3,16 +3,14 @@
 #include "report/report.h"
 #include "fit/align.h"
 
-static mukca_status score(mukca_report *r, int set, const mukca_model *const models[2],
-                          mukca_error *error)
+/* Scores of a dataset by the nominal (0) or the calibrated model (1).  False: no memory. */
+static bool score(mukca_report *r, int set, const mukca_dataset *data, int which,
+                  const mukca_model *model)
 {
-    const mukca_dataset *data = set ? r->test : r->train;
-    for (int m = 0; m < 2 && r->n_scores[set] >= 0; m++) {
-        mukca_score mean, *scores = MUKCA_TAKE(r->pool, mukca_score, data->n_placements + 1);
-        r->n_scores[set] = scores ? mukca_evaluate(scores, &mean, models[m], data) : -1;
-        r->score[set][m] = scores;
-    }
-    return r->n_scores[set] >= 0 ? MUKCA_OK : mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    mukca_score *scores = MUKCA_TAKE(r->pool, mukca_score, data->n_placements + 1);
+    r->score[set][which] = scores;
+    r->n_scores[set] = scores ? mukca_evaluate(scores, NULL, model, data) : -1;
+    return r->n_scores[set] >= 0;
 }
 
 mukca_status mukca_report_prepare(mukca_report *r, mukca_error *error)
@@ -22,30 +20,29 @@ mukca_status mukca_report_prepare(mukca_report *r, mukca_error *error)
     mukca_model models[2];
     const mukca_model nominal = {.chain = r->fitted, .theta = theta},
                       rigid = {.chain = r->fitted, .theta = r->offsets->theta};
-    mukca_status status =
-        mukca_frames_start(theta, r->fitted, r->train, r->free_base, r->free_tool, error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(mukca_frames_start(theta, r->fitted, r->train, r->free_base, r->free_tool, error));
     r->points = MUKCA_TAKE(r->pool, mukca_plot_point, 2 * r->train->n_rows);
     r->offset = MUKCA_TAKE(r->pool, mukca_offset_row, MUKCA_MAX_OFFSET_ROWS);
     mukca_effect *effects = MUKCA_TAKE(r->pool, mukca_effect, 2 * MUKCA_MAX_EFFECTS);
     if (r->pool->failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
     mukca_geometry_set(&r->geometry, r->fitted, r->offsets->theta);
     r->n_offsets = mukca_offsets_rows(r->offset, r->offsets, r->fitted);
-    for (int k = 0; k < 2 && status == MUKCA_OK; k++) {
+    for (int k = 0; k < 2; k++) {
         mukca_effect *placed = effects + k * MUKCA_MAX_EFFECTS;
         mukca_offsets_place_effects(placed, r->offsets, data[k]);
         models[k] = (mukca_model){.chain = r->fitted,
                                   .theta = r->offsets->theta,
                                   .effects = placed,
                                   .n_effects = r->offsets->n_effects};
-        if (data[k]->n_rows > 0)
-            status = score(r, k, (const mukca_model *const[]){&nominal, &models[k]}, error);
+        if (data[k]->n_rows > 0 &&
+            !(score(r, k, data[k], 0, &nominal) && score(r, k, data[k], 1, &models[k])))
+            return mukca_fail(error, MUKCA_MEMORY, "out of memory");
     }
     const mukca_model *shown[MUKCA_REPORT_MODELS] = {&nominal, &rigid, &models[0]};
-    for (int m = 0; m < MUKCA_REPORT_MODELS && status == MUKCA_OK; m++)
+    for (int m = 0; m < MUKCA_REPORT_MODELS; m++)
         if (!mukca_evaluation_make(&r->evaluation[m], r->pool, shown[m], r->train))
-            status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    return status;
+            return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    return MUKCA_OK;
 }
 
 /* ---- the page ---- */

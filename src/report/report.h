@@ -41,25 +41,19 @@ mukca_page mukca_report_page(const mukca_report *report);
 /* ---- parts of the page, one function each, in tables_diagnosis.c, tables_calibration.c and
  * view.c; the content is the report ---- */
 
-#define MUKCA_REPORT_MM 1e3 /* mm per m */
-
 mukca_page_part mukca_report_put_accuracy, mukca_report_put_verdict, mukca_report_put_causes,
     mukca_report_put_faults, mukca_report_put_limits, mukca_report_put_placements,
     mukca_report_put_joints, mukca_report_put_offsets, mukca_report_put_view;
 
 /* ---- the report of a fleet, and its wording, shared with the screen (fleet_page.c) ---- */
 
-/* Unit of all coefficients of a fleet, and their factor from rad/(N m). */
-#define MUKCA_WORDING_SPRING "urad/(N·m)"
-#define MUKCA_WORDING_PER_SPRING 1e6
-
-/* A shared coefficient with interval, spread and probability, or a shared order; no full stop. */
-void mukca_wording_fleet_trait(char text[MUKCA_WORDING], const mukca_trait *trait,
-                               const mukca_fleet *fleet);
-
-/* "arm7: joint compliance at joint_4 6.4 times softer than 7 sisters, ..." */
-void mukca_wording_fleet_departure(char text[MUKCA_WORDING], const mukca_departure *departure,
-                                   const mukca_fleet *fleet);
+/* As wording.h: a shared coefficient with interval, spread and probability, or a shared order;
+ * "arm7: joint compliance at joint_4 6.4 times softer than 7 sisters, ...". */
+const char *mukca_wording_fleet_trait(char text[MUKCA_WORDING], const mukca_trait *trait,
+                                      const mukca_fleet *fleet);
+const char *mukca_wording_fleet_departure(char text[MUKCA_WORDING],
+                                          const mukca_departure *departure,
+                                          const mukca_fleet *fleet);
 
 /* The page, whose content `fleet` must outlive it. */
 mukca_page mukca_fleet_page(const mukca_fleet *fleet);

@@ -3,10 +3,11 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "report/page.h"
 #include "report/report.h"
 
-static const double mm = MUKCA_REPORT_MM;
+#define put mukca_wording_put /* short for this file */
+
+static const double mm = 1e3; /* per m */
 
 /* ---- accuracy ---- */
 
@@ -64,23 +65,23 @@ static void put_joint(FILE *out, const mukca_report *r, int index)
     const bool turns = e->type != MUKCA_PRISMATIC, causes = r->offsets->n_effects > 0;
     const char *coordinate = turns ? "angle" : "position";
     const double unit = turns ? 180 / M_PI : mm;
-    mukca_plot plot = {.key = {[MUKCA_PLOT_AFTER] = causes ? "with its causes" : "calibrated",
-                               [MUKCA_PLOT_BEFORE] = causes ? "without them" : NULL},
-                       .points = r->points};
-    snprintf(plot.id, sizeof plot.id, "joint-%d", index + 1);
-    snprintf(plot.title, sizeof plot.title, "Error over the %s of %s", coordinate, e->name);
-    snprintf(plot.label[0], sizeof *plot.label, "%s, %s", coordinate, turns ? "deg" : "mm");
-    snprintf(plot.label[1], sizeof *plot.label, "error along its motion, mm");
+    mukca_plot plot = {
+        .id = put(MUKCA_WORDS, "joint-%d", index + 1),
+        .title = put(MUKCA_WORDS, "Error over the %s of %s", coordinate, e->name),
+        .label = {turns ? "angle, deg" : "position, mm", "error along its motion, mm"},
+        .words = put(MUKCA_WORDS,
+                     "The part of each sample's error along which %s moves the %s, over the "
+                     "joint's %s: %.3f mm rms calibrated.",
+                     e->name, r->train->n_sockets > 0 ? "ball" : "target", coordinate,
+                     joint_rms(r, MUKCA_CALIBRATED, index)),
+        .key = {[MUKCA_PLOT_AFTER] = causes ? "with its causes" : "calibrated",
+                [MUKCA_PLOT_BEFORE] = causes ? "without them" : NULL},
+        .points = r->points};
     for (int m = causes ? MUKCA_RIGID : MUKCA_CALIBRATED; m <= MUKCA_CALIBRATED; m++)
         for (int i = 0; i < r->train->n_rows; i++)
             plot.points[plot.n_points++] = (mukca_plot_point){
                 m == MUKCA_RIGID ? MUKCA_PLOT_BEFORE : MUKCA_PLOT_AFTER,
                 {r->train->q[i * n + index] * unit, joint_error(r, m, i, index)}};
-    snprintf(plot.words, sizeof plot.words,
-             "The part of each sample's error along which %s moves the %s, over the joint's %s: "
-             "%.3f mm rms calibrated.",
-             e->name, r->train->n_sockets > 0 ? "ball" : "target", coordinate,
-             joint_rms(r, MUKCA_CALIBRATED, index));
     mukca_plot_put(out, &plot);
 }
 

@@ -1,7 +1,6 @@
 /* Texts and tables of the diagnosis: verdict, what to do, causes, faults, detection limits. */
 #include <math.h>
 
-#include "report/page.h"
 #include "report/report.h"
 
 /* ---- verdict and remedies ---- */
@@ -55,24 +54,23 @@ static void put_steps(FILE *out, const mukca_diagnosed *diagnosed)
     const mukca_diagnosis *d = diagnosed->diagnosis;
     mukca_step steps[MUKCA_MAX_STEPS];
     const int n = mukca_wording_steps(steps, diagnosed);
+    const bool tested = isfinite(steps[0].test_m);
     double most = 0;
     mukca_html_table table = {
         .out = out,
         .caption = d->folds > 1 ? "Mean error, mm, each line a fit of its own; cross-validated: "
                                   "each fold predicted from the others"
                                 : "Mean error, mm, each line a fit of its own",
-        .columns = d->folds > 1 ? "model|#cross-validated|bar|#test" : "model|#training|bar|#test"};
-    const bool tested = isfinite(steps[0].test_m);
-    if (!tested)
-        table.columns = d->folds > 1 ? "model|#cross-validated|bar|" : "model|#training|bar|";
+        .columns = mukca_wording_put(MUKCA_WORDS, "model|#%s|bar|%s",
+                                     d->folds > 1 ? "cross-validated" : "training",
+                                     tested ? "#test" : "")};
     for (int i = 1; i < n; i++) most = fmax(most, steps[i].cross_validated_m);
     for (int i = 0; i < n; i++) {
         const double error = steps[i].cross_validated_m;
         const double bar = i ? 100 * error / most : 0; /* the nominal error is off the scale */
         if (isfinite(error))
             mukca_html_row(&table, tested ? "%s\t%.3f\t%.0f\t%.3f" : "%s\t%.3f\t%.0f",
-                           steps[i].name, error * MUKCA_REPORT_MM, bar,
-                           steps[i].test_m * MUKCA_REPORT_MM);
+                           steps[i].name, 1e3 * error, bar, 1e3 * steps[i].test_m);
     }
     mukca_html_table_end(&table);
 }
@@ -96,8 +94,8 @@ void mukca_report_put_causes(FILE *out, const void *content)
             sure ? mukca_wording_certainty(MUKCA_WORDS, f, d)
                  : mukca_wording_put(MUKCA_WORDS, "maybe, %.0f %%", 100 * f->group.probability);
         mukca_html_row(&table, "%s\t%.3f [%.3f, %.3f]\t%s\t%s",
-                       mukca_wording_finding(MUKCA_WORDS, f, d), f->size_m.value * MUKCA_REPORT_MM,
-                       f->size_m.low * MUKCA_REPORT_MM, f->size_m.high * MUKCA_REPORT_MM, certainty,
+                       mukca_wording_finding(MUKCA_WORDS, f, d), 1e3 * f->size_m.value,
+                       1e3 * f->size_m.low, 1e3 * f->size_m.high, certainty,
                        mukca_wording_alternatives(MUKCA_WORDS, f, d));
     }
     mukca_html_table_end(&table);

@@ -1,7 +1,6 @@
 /* The arm in the posture of the first sample, with the findings where they are. */
 #include <math.h>
 
-#include "report/page.h"
 #include "report/report.h"
 
 /* Widths of a finding's line for none and all of what is explained, pixels. */
@@ -24,8 +23,8 @@ static void find_vertices(view *v, const mukca_report *r)
     mukca_fk_frames(frame, &frame[v->n - 1], &r->geometry, r->train->q, NULL);
     for (int k = 0; k < v->n; k++) {
         const double *p = frame[k].p;
-        v->at[k][0] = MUKCA_REPORT_MM * (p[1] * c - p[0] * s);
-        v->at[k][1] = MUKCA_REPORT_MM * ((p[0] * c + p[1] * s) * f - p[2] * e);
+        v->at[k][0] = 1e3 * (p[1] * c - p[0] * s);
+        v->at[k][1] = 1e3 * ((p[0] * c + p[1] * s) * f - p[2] * e);
     }
 }
 

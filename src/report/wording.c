@@ -74,12 +74,18 @@ static const char *particular_remedy(const mukca_cause *cause, const mukca_diagn
     return NULL;
 }
 
+/* Whether the causes increase the error on the test data and are therefore uncertain. */
+static bool worsen(const mukca_diagnosis *d)
+{
+    return d->verdict == MUKCA_VERDICT_TIED && d->test_explained_m > d->test_geometry_m;
+}
+
 /* Whether the offsets table has the cause for other postures. */
 static bool compensates(const mukca_cause *cause, const mukca_diagnosed *r)
 {
     const mukca_effect_kind kind = cause->effect.kind;
     const bool weightless = r->chain->n_masses == 0;
-    return !mukca_wording_worse(r->diagnosis) && !mukca_effect_of_history(kind) &&
+    return !worsen(r->diagnosis) && !mukca_effect_of_history(kind) &&
            !(weightless && mukca_effect_table[kind]->needs & MUKCA_NEEDS_MASSES);
 }
 
@@ -160,11 +166,6 @@ int mukca_wording_steps(mukca_step steps[MUKCA_MAX_STEPS], const mukca_diagnosed
     return n;
 }
 
-bool mukca_wording_worse(const mukca_diagnosis *d)
-{
-    return d->verdict == MUKCA_VERDICT_TIED && d->test_explained_m > d->test_geometry_m;
-}
-
 /* "8 postures tell the base from joint_2": the alternatives of a finding that are split. */
 static const char *put_split(char *text, const mukca_diagnosed *r)
 {
@@ -215,15 +216,14 @@ const char *mukca_wording_next(char text[MUKCA_WORDING], const mukca_diagnosed *
         return put(text,
                    "record readings and commands (columns JOINT and JOINT.command): they separate "
                    "servo sag from compliance");
-    if (d->verdict != MUKCA_VERDICT_UNTESTABLE && !mukca_wording_worse(d) && r->next &&
-        r->next->finding >= 0)
+    if (d->verdict != MUKCA_VERDICT_UNTESTABLE && !worsen(d) && r->next && r->next->finding >= 0)
         return put_split(text, r);
     const char *next =
         d->verdict == MUKCA_VERDICT_UNTESTABLE ? "record again as stated, then repeat the diagnosis"
         : d->verdict == MUKCA_VERDICT_UNKNOWN
             ? "inspect the transmission and the bearings of the joints concerned, and record more "
               "samples over their range"
-        : mukca_wording_worse(d)
+        : worsen(d)
             ? "record more samples; until these decide, -o writes the geometry alone, which "
               "predicts the test data better"
         : d->n_faults ? "record the faulty samples again"

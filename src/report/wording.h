@@ -40,9 +40,6 @@ bool mukca_wording_slides(const mukca_chain *chain, int joint);
 /* Whether the cause is part of the arm, unlike a moved tool. */
 bool mukca_wording_on_arm(const mukca_cause *cause);
 
-/* Whether the causes increase the error on the test data and are therefore uncertain. */
-bool mukca_wording_worse(const mukca_diagnosis *diagnosis);
-
 const char *mukca_wording_put(char text[MUKCA_WORDING], const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
@@ -63,6 +60,11 @@ const char *mukca_wording_certainty(char text[MUKCA_WORDING], const mukca_findin
                                     const mukca_diagnosed *diagnosed);
 const char *mukca_wording_alternatives(char text[MUKCA_WORDING], const mukca_finding *finding,
                                        const mukca_diagnosed *diagnosed);
+
+/* "73 urad/(N·m) [70, 76]": the estimate times `factor`, to two significant digits of the
+ * interval's half width and at most `most` decimals; the unit behind its prefix, "": none. */
+const char *mukca_wording_estimate(char text[MUKCA_WORDING], const mukca_estimate *estimate,
+                                   double factor, const char *prefix, const char *unit, int most);
 
 /* Name of a position along the chain: "base", a joint, "tool". */
 const char *mukca_wording_position(const mukca_diagnosed *diagnosed, int position);

@@ -113,24 +113,26 @@ const char *mukca_wording_finding(char text[MUKCA_WORDING], const mukca_finding 
     return text;
 }
 
-/* "73 urad/(N·m) [70, 76]"; two significant digits of the interval's half width. */
+const char *mukca_wording_estimate(char text[MUKCA_WORDING], const mukca_estimate *e, double factor,
+                                   const char *prefix, const char *unit, int most)
+{
+    const double half = fmax(factor * 0.5 * (e->high - e->low), 1e-12);
+    int digits = isfinite(half) ? (int)ceil(-log10(half)) + 1 : 3;
+    digits = digits < 0 ? 0 : digits > most ? most : digits;
+    put(text, "%.*f%s%s", digits, factor * e->value, *unit ? " " : "", prefix);
+    for (; *unit; unit++) put(text, *unit == '*' ? "·" : "%c", *unit); /* for people */
+    return put(text, " [%.*f, %.*f]", digits, factor * e->low, digits, factor * e->high);
+}
+
 static void put_estimate(char *text, const mukca_estimate *e, const mukca_effect *effect,
                          const mukca_diagnosed *r)
 {
     const char *unit = mukca_effect_unit(effect, r->chain);
-    const bool load = strchr(unit, 'N'), relative = effect->variant.to_command;
-    const double factor = relative ? 100 : load ? 1e6 : 1e3;
-    const double half = fmax(factor * 0.5 * (e->high - e->low), 1e-12);
-    int digits = isfinite(half) ? (int)ceil(-log10(half)) + 1 : 3;
-    digits = digits < 0 ? 0 : digits > 4 ? 4 : digits;
-    put(text, "%.*f %s%s [%.*f, %.*f]", digits, factor * e->value,
-        relative ? ""
-        : load   ? "u"
-                 : "m",
-        relative                         ? "% of command minus reading"
-        : strcmp(unit, "rad/(N*m)") == 0 ? "rad/(N·m)"
-                                         : unit,
-        digits, factor * e->low, digits, factor * e->high);
+    const bool load = strchr(unit, 'N');
+    if (effect->variant.to_command)
+        mukca_wording_estimate(text, e, 100, "", "% of command minus reading", 4);
+    else
+        mukca_wording_estimate(text, e, load ? 1e6 : 1e3, load ? "u" : "m", unit, 4);
 }
 
 const char *mukca_wording_sureness(char text[MUKCA_WORDING], const mukca_finding_group *g)

@@ -4,8 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/text.h"
-
 #define put mukca_wording_put /* short for this file */
 
 /* What each family is called, before its place. */
@@ -75,31 +73,15 @@ const char *mukca_wording_torque(char text[MUKCA_WORDING], const mukca_finding_g
     return text;
 }
 
-/* A value with its interval, to two digits of the half width. */
-static void put_measure(char *text, const mukca_estimate *m, const char *unit)
-{
-    const bool time = strcmp(unit, "s") == 0;
-    const double factor = time ? 1e3 : 1, half = fmax(factor * 0.5 * (m->high - m->low), 1e-12);
-    int digits = isfinite(half) ? (int)ceil(-log10(half)) + 1 : 3;
-    char shown[32] = "";
-    mukca_text words = MUKCA_TEXT(shown);
-    digits = digits < 0 ? 0 : digits > 6 ? 6 : digits;
-    for (const char *u = unit; *u; u++) /* a multiplication sign for people */
-        mukca_text_put(&words, *u == '*' ? "·" : "%c", *u);
-    put(text, "%.*f%s%s [%.*f, %.*f]", digits, factor * m->value, strcmp(unit, "1") ? " " : "",
-        time                ? "ms"
-        : strcmp(unit, "1") ? shown
-                            : "",
-        digits, factor * m->low, digits, factor * m->high);
-}
-
 const char *mukca_wording_torque_certainty(char text[MUKCA_WORDING], const mukca_motion_finding *f)
 {
     mukca_wording_sureness(text, &f->group);
     if (!isfinite(f->coefficient.value)) return text;
+    const char *unit = mukca_torque_table[f->group.effect].unit;
+    const bool time = strcmp(unit, "s") == 0, none = strcmp(unit, "1") == 0;
     put(text, "; ");
-    put_measure(text, &f->coefficient, mukca_torque_table[f->group.effect].unit);
-    return text;
+    return mukca_wording_estimate(text, &f->coefficient, time ? 1e3 : 1, time ? "m" : "",
+                                  none ? "" : unit, 6);
 }
 
 const char *mukca_wording_torque_alternatives(char text[MUKCA_WORDING],

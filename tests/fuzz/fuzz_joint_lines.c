@@ -29,7 +29,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
                         if (isinf(joints.value[r][j])) abort();
                 break;
             case MUKCA_LINE_TRIGGER:
-                if (strlen(lines.placement) > size || strlen(lines.socket) > size) abort();
+                if (strlen(lines.trigger.placement) > size || strlen(lines.trigger.socket) > size)
+                    abort();
                 break;
             case MUKCA_LINE_FAULT:
                 if (!error.text[0]) abort();

@@ -62,6 +62,25 @@ TEST(damage_is_skipped)
     }
 }
 
+/* A time from which differences would overflow belongs to no recording. */
+TEST(an_event_of_no_time_is_skipped)
+{
+    const unsigned char never[] = {0x7f, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff};
+    mukca_lcm_log log;
+    mukca_lcm_packet event;
+    write_log(3);
+    FILE *file = fopen(path, "r+b");
+    assert_non_null(file);
+    fseek(file, 12, SEEK_SET); /* the first event's */
+    fwrite(never, 1, sizeof never, file);
+    fclose(file);
+    assert_ok(mukca_lcm_log_open(&log, path, &error));
+    assert_true(mukca_lcm_log_read(&event, &log));
+    assert_int_equal(event.time, 1001);
+    assert_int_equal(log.skipped, 28 + 3); /* its header and its channel */
+    mukca_lcm_log_close(&log);
+}
+
 TEST(a_log_cut_while_it_is_read_ends)
 {
     mukca_lcm_log log;
