@@ -36,7 +36,8 @@ static mukca_fit_options fit_options(const calibrate_options *o)
         .cost = {.lambda = o->lambda > 0 ? o->lambda : -1,
                  .gradient = o->gradient == 1 ? MUKCA_GRADIENT_ANALYTIC : MUKCA_GRADIENT_FD},
         .solver = mukca_solver_table[o->solver],
-        .limits = {.stop = cli_stop}};
+        .limits = {.stop = cli_stop},
+        .threads = o->common.threads};
 }
 
 /* ---- --traits ---- */
@@ -132,8 +133,7 @@ static mukca_status run(cli_call *call)
     const calibrate_options *o = call->options;
     const cli_session *s = call->session;
     const mukca_chain *chain = &s->model.chain;
-    mukca_fit_options wanted = fit_options(o);
-    wanted.threads = cli_threads(call);
+    const mukca_fit_options wanted = fit_options(o);
     calibrate_work *w = call->work;
     mukca_fit *fit = &w->fit;
     mukca_columns_note(cli_notes(call), chain, &s->data);

@@ -195,9 +195,6 @@ bool cli_interrupted(void);
 bool cli_stop(void *context);
 bool cli_show_progress(void *call, double fraction, const char *doing);
 
-/* --threads, or one for each core that the process may use. */
-int cli_threads(const cli_call *call);
-
 /* ---- JSON objects from C values (json.c) ---- */
 
 /* A JSON object: cli_json(KEY("name", text), KEY("error_m", number), ...).  The type of a value is

@@ -54,7 +54,7 @@ mukca_status cli_diagnosis_run(cli_call *call, cli_diagnosis *d)
     d->options.free_base = c->free_base;
     d->options.free_tool = c->free_tool || several;
     d->options.applied = true;
-    d->options.threads = cli_threads(call);
+    d->options.threads = c->threads;
     d->options.progress = cli_show_progress;
     d->options.progress_context = call;
     d->result = (mukca_diagnosed){.diagnosis = &d->diagnosis,

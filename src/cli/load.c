@@ -1,7 +1,5 @@
 /* Loading of the arm and the data given by the common options. */
-#define _GNU_SOURCE /* sched_getaffinity() */
 #include <math.h>
-#include <sched.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -19,13 +17,6 @@
 /* Relative, of gravity: other values are in other units.  Coefficients of springs are inversely
  * proportional. */
 static const double rounding = 0.03;
-
-int cli_threads(const cli_call *call)
-{
-    cpu_set_t set;
-    if (call->common->threads) return call->common->threads;
-    return sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set) : 1;
-}
 
 mukca_status cli_read_offsets(cli_call *call, mukca_offsets *offsets, mukca_chain *embedded,
                               const mukca_chain *chain, const char *path)
@@ -173,7 +164,7 @@ mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model 
     mukca_dataset_options options = {.distance = c->distance,
                                      .distances = c->distances,
                                      .distance_sigma = c->distance_sd,
-                                     .threads = cli_threads(call),
+                                     .threads = c->threads,
                                      .notes = cli_notes(call)};
     const mukca_status units = cli_read_format(call, &options.format);
     if (units != MUKCA_OK) return units;

@@ -78,7 +78,7 @@ typedef struct {
     cli_list test;
     int angles;                   /* 1: commanded */
     int map;                      /* 0: by name; 1: in order; 2: in order, w last */
-    int threads;                  /* 0: all cores */
+    int threads;                  /* as of mukca_workers_start */
     double distance, distance_sd; /* m */
     bool free_base, free_tool, inverse_poses, accept_other_arm, accept_failed, accept_edited, force,
         quiet, verbose;

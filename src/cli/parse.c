@@ -1,9 +1,11 @@
 /* Parsing of command lines by the option tables. */
+#define _GNU_SOURCE /* sched_getaffinity() */
 #include "cli/cli.h"
 
 #include <errno.h>
 #include <limits.h>
 #include <math.h>
+#include <sched.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -271,6 +273,13 @@ static mukca_status check_arguments(cli_call *call)
     return MUKCA_OK;
 }
 
+/* Those that the process may use. */
+static int count_cores(void)
+{
+    cpu_set_t set;
+    return sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set) : 1;
+}
+
 mukca_status cli_parse(cli_call *call, bool *help, int argc, char **argv)
 {
     *help = false;
@@ -281,6 +290,7 @@ mukca_status cli_parse(cli_call *call, bool *help, int argc, char **argv)
         memcpy(call->options, call->command->defaults, call->command->options_size);
     call->common->distance = MUKCA_DISTANCE;
     call->common->distance_sd = MUKCA_DISTANCE_SIGMA;
+    call->common->threads = count_cores();
     bool plain = false;
     for (int i = 0; i < argc;) {
         const char *word = argv[i];

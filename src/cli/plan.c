@@ -113,7 +113,7 @@ static mukca_status gather_sockets(plan_work *r)
 static mukca_status find_pair(plan_work *r)
 {
     const mukca_chain *chain = &r->model->chain;
-    const mukca_diagnose_options diagnose = {.threads = cli_threads(r->call),
+    const mukca_diagnose_options diagnose = {.threads = r->call->common->threads,
                                              .progress = cli_show_progress,
                                              .progress_context = r->call};
     const int finding = ((const plan_options *)r->call->options)->split - 1;
