@@ -33,8 +33,7 @@ static mukca_fit_options fit_options(const calibrate_options *o)
         .selection = {o->free, o->freeze, o->regularise_tip},
         .free_base = o->common.free_base,
         .free_tool = o->common.free_tool,
-        .cost = {.lambda = o->lambda > 0 ? o->lambda : -1,
-                 .gradient = o->gradient == 1 ? MUKCA_GRADIENT_ANALYTIC : MUKCA_GRADIENT_FD},
+        .cost = {.lambda = o->lambda > 0 ? o->lambda : -1, .gradient = (mukca_gradient)o->gradient},
         .solver = mukca_solver_table[o->solver],
         .limits = {.stop = cli_stop},
         .threads = o->common.threads};
@@ -79,6 +78,7 @@ static mukca_status use_traits(cli_call *call, const mukca_fit_options *wanted)
     const mukca_traits *traits = &s->traits;
     const mukca_dataset *const data[2] = {&s->data, &s->test};
     mukca_pool *pool = &call->pool;
+    if (!call->common->traits) return MUKCA_OK;
     mukca_fit *with = MUKCA_TAKE(pool, mukca_fit, SHARES);
     double *recorded[2];
     int best = 0;
@@ -87,23 +87,21 @@ static mukca_status use_traits(cli_call *call, const mukca_fit_options *wanted)
         recorded[i] = MUKCA_TAKE(pool, double, size + 1);
         if (recorded[i] && size) memcpy(recorded[i], data[i]->q, size * sizeof *recorded[i]);
     }
-    mukca_status status = pool->failed ? cli_fail(call, MUKCA_MEMORY, "out of memory") : MUKCA_OK;
-    for (int k = 0; k < SHARES && status == MUKCA_OK; k++) {
+    if (pool->failed) return cli_fail(call, MUKCA_MEMORY, "out of memory");
+    for (int k = 0; k < SHARES; k++) {
         correct(s, recorded, traits, shares[k]);
-        status = mukca_fit_run(&with[k], &s->model.chain, &s->data, wanted, &call->error);
-        if (status != MUKCA_OK) break;
+        MUKCA_TRY(mukca_fit_run(&with[k], &s->model.chain, &s->data, wanted, &call->error));
         const double evidence = log_evidence(&with[k], &w->fit);
         if (k == 0 || evidence > w->traits_evidence) best = k, w->traits_evidence = evidence;
     }
-    if (status == MUKCA_OK) {
-        const bool use = with[best].converged && w->traits_evidence > LEAST_EVIDENCE;
-        w->traits_share = use ? shares[best] : 0;
-        correct(s, recorded, traits, w->traits_share);
-        if (use) w->fit = with[best];
-    }
-    return status;
+    const bool use = with[best].converged && w->traits_evidence > LEAST_EVIDENCE;
+    w->traits_share = use ? shares[best] : 0;
+    correct(s, recorded, traits, w->traits_share);
+    if (use) w->fit = with[best];
+    return MUKCA_OK;
 }
 
+/* List the effects that the geometry was fitted with in the offsets table. */
 static void add_traits(cli_call *call)
 {
     calibrate_work *w = call->work;
@@ -115,6 +113,20 @@ static void add_traits(cli_call *call)
 }
 
 /* ---- the command ---- */
+
+static mukca_status judge_offsets(cli_call *call, const mukca_fit_options *wanted)
+{
+    calibrate_work *w = call->work;
+    const cli_session *s = call->session;
+    mukca_cross_validation held;
+    mukca_fit_offsets(&w->offsets, &w->fit);
+    MUKCA_TRY(mukca_fit_cross_validate(&held, &w->fit, &s->model.chain, &s->data, &s->test, wanted,
+                                       &call->error));
+    const mukca_status status =
+        mukca_accept_fit(&w->offsets, &w->fit, &held, &s->data, wanted, &call->error);
+    mukca_cross_validation_free(&held);
+    return status;
+}
 
 static mukca_status write_offsets(cli_call *call)
 {
@@ -137,27 +149,18 @@ static mukca_status run(cli_call *call)
     calibrate_work *w = call->work;
     mukca_fit *fit = &w->fit;
     mukca_columns_note(cli_notes(call), chain, &s->data);
-    mukca_status status = cli_check_moving(call, &s->data, false);
-    if (status == MUKCA_OK) status = cli_check_moving(call, &s->test, false);
-    if (status == MUKCA_OK) status = mukca_fit_run(fit, chain, &s->data, &wanted, &call->error);
-    if (status == MUKCA_OK && o->common.traits) status = use_traits(call, &wanted);
-    if (status == MUKCA_OK && fit->identification.rank == 0)
-        status = cli_fail(call, MUKCA_UNIDENTIFIABLE,
-                          "the data identify no free parameter; record different postures");
-    if (status == MUKCA_OK)
-        status = mukca_frames_start(w->nominal, &fit->chain, &s->data, o->common.free_base,
-                                    o->common.free_tool, &call->error);
+    MUKCA_TRY(cli_check_moving(call, &s->data, false));
+    MUKCA_TRY(cli_check_moving(call, &s->test, false));
+    MUKCA_TRY(mukca_fit_run(fit, chain, &s->data, &wanted, &call->error));
+    MUKCA_TRY(use_traits(call, &wanted));
+    if (fit->identification.rank == 0)
+        return cli_fail(call, MUKCA_UNIDENTIFIABLE,
+                        "the data identify no free parameter; record different postures");
+    MUKCA_TRY(mukca_frames_start(w->nominal, &fit->chain, &s->data, o->common.free_base,
+                                 o->common.free_tool, &call->error));
     w->scores = (cli_scores){.nominal_theta = w->nominal, .calibrated = true};
-    if (status == MUKCA_OK)
-        status = cli_scores_make(call, &w->scores, &fit->chain, fit->theta, NULL, "train");
-    if (status != MUKCA_OK) return status;
-    mukca_fit_offsets(&w->offsets, fit);
-    status =
-        mukca_fit_cross_validate(&w->held, fit, chain, &s->data, &s->test, &wanted, &call->error);
-    if (status != MUKCA_OK) return status;
-    status = mukca_accept_fit(&w->offsets, fit, &w->held, &s->data, &wanted, &call->error);
-    mukca_cross_validation_free(&w->held);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(cli_scores_make(call, &w->scores, &fit->chain, fit->theta, NULL, "train"));
+    MUKCA_TRY(judge_offsets(call, &wanted));
     add_traits(call);
     return write_offsets(call);
 }

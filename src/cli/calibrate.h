@@ -17,7 +17,6 @@ typedef struct {
     mukca_fit fit;
     double nominal[MUKCA_MAX_THETA]; /* of the chain, free frames aligned to the training data */
     cli_scores scores;
-    mukca_cross_validation held;
     mukca_offsets offsets;  /* with verdict */
     double traits_evidence; /* log Bayes factor of their means, or of half of them */
     double traits_share;    /* fraction of the means in use, 0 to 1 */

@@ -251,13 +251,11 @@ static mukca_status prepare(session *s)
     const mukca_recorder_hooks hooks = {
         .report = report, .trigger = may_trigger, .interrupted = cli_interrupted, .context = s};
     cli_live_complete(&o->live, c);
-    mukca_status status = mukca_recorder_open(r, &o->live.recorder, &model->chain,
-                                              model->offsets.theta, &hooks, &call->error);
-    if (status == MUKCA_OK) status = mukca_recorder_connect(r, o->wait, &call->error);
-    if (status == MUKCA_OK) status = confirm_map(s);
-    if (status == MUKCA_OK)
-        status = mukca_sampling_begin(r, c->output, o->resume, c->force, &call->error);
-    return status;
+    MUKCA_TRY(mukca_recorder_open(r, &o->live.recorder, &model->chain, model->offsets.theta, &hooks,
+                                  &call->error));
+    MUKCA_TRY(mukca_recorder_connect(r, o->wait, &call->error));
+    MUKCA_TRY(confirm_map(s));
+    return mukca_sampling_begin(r, c->output, o->resume, c->force, &call->error);
 }
 
 static mukca_status run(cli_call *call)

@@ -14,6 +14,7 @@
 #include "base/pool.h"
 #include "base/text.h"
 #include "cli/options.h"
+#include "fit/evaluate.h"
 #include "infer/gaussians.h"
 #include "io/kinematics.h"
 #include "io/offsets.h"
@@ -123,6 +124,9 @@ extern const cli_command *const cli_commands[];
 /* The command's options after `option` (NULL: from the first on), its own before the common ones;
  * NULL after the last. */
 const cli_option *cli_next_option(const cli_command *command, const cli_option *option);
+
+/* The member of call->options that has the option's value, of the type of its kind. */
+void *cli_option_member(const cli_call *call, const cli_option *option);
 
 /* ---- parsing and help (parse.c, options.c, commands.c) ---- */
 
@@ -255,8 +259,8 @@ mukca_status cli_read_offsets(cli_call *call, mukca_offsets *offsets, mukca_chai
 /* Format of input tables from --units, --map and --inverse-poses.  Errors: MUKCA_USAGE. */
 mukca_status cli_read_format(cli_call *call, mukca_rows_format *format);
 
-/* Read DATA paths for the model's chain; --distance, --distances and --payload apply.  Free with
- * mukca_dataset_free. */
+/* Read DATA paths, if any, for the model's chain; --distance, --distances and --payload apply. Free
+ * with mukca_dataset_free. */
 mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model *model,
                            const cli_list *paths);
 
@@ -264,10 +268,11 @@ mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model 
  * or `postures`: are of one posture.  Errors: MUKCA_UNIDENTIFIABLE, MUKCA_MEMORY. */
 mukca_status cli_check_moving(cli_call *call, const mukca_dataset *data, bool postures);
 
-/* Refuse data of another arm: the model's predictions of a socket scatter by more than
- * CLI_FOREIGN.  Errors: MUKCA_NEGATIVE, MUKCA_MEMORY. */
-mukca_status cli_check_scatter(cli_call *call, const char *path, const cli_model *model,
-                               const mukca_dataset *data);
+/* Evaluate the model with its offsets, in memory of the call's pool, and refuse data of another
+ * arm: the predictions of a socket scatter by more than CLI_FOREIGN.  Errors: MUKCA_NEGATIVE,
+ * MUKCA_MEMORY. */
+mukca_status cli_check_scatter(mukca_evaluation *evaluation, cli_call *call, const char *path,
+                               const cli_model *model, const mukca_dataset *data);
 
 /* m per axis: twice that of an arm whose mean error is 15 mm, the largest of calibrated arms. */
 #define CLI_FOREIGN 0.02
@@ -286,7 +291,7 @@ cli_list cli_inputs(cli_call *call);
  * writable.  Errors: MUKCA_USAGE, MUKCA_INPUT, MUKCA_MEMORY. */
 mukca_status cli_check_outputs(cli_call *call);
 
-/* Write a file; and the table of a command: to -o, else to standard output. */
+/* Write a file (NULL: none); and the table of a command: to -o, else to standard output. */
 mukca_status cli_write(cli_call *call, const char *path, cli_writer *write);
 mukca_status cli_write_table(cli_call *call, cli_writer *write);
 

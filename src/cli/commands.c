@@ -45,20 +45,20 @@ static mukca_status run_steps(cli_call *call)
 {
     const cli_command *c = call->command;
     const cli_common *given = call->common;
-    mukca_status status = c->check ? c->check(call) : MUKCA_OK;
-    if (status == MUKCA_OK) status = cli_read(call, c->reads);
-    if (status == MUKCA_OK && c->run) status = c->run(call);
-    if (status == MUKCA_OK && c->table && (given->output || !given->json))
-        status = cli_write_table(call, c->table);
-    if (status == MUKCA_OK && c->json && given->json) status = cli_write_json(call, c->json(call));
-    return status == MUKCA_OK && c->print ? c->print(call) : status;
+    const bool table = c->table && (given->output || !given->json), json = c->json && given->json;
+    MUKCA_TRY(c->check ? c->check(call) : MUKCA_OK);
+    MUKCA_TRY(cli_read(call, c->reads));
+    MUKCA_TRY(c->run ? c->run(call) : MUKCA_OK);
+    MUKCA_TRY(table ? cli_write_table(call, c->table) : MUKCA_OK);
+    MUKCA_TRY(json ? cli_write_json(call, c->json(call)) : MUKCA_OK);
+    return c->print ? c->print(call) : MUKCA_OK;
 }
 
 mukca_status cli_run(cli_call *call)
 {
     const cli_command *command = call->command;
-    mukca_status status = cli_check_outputs(call);
-    if (status != MUKCA_OK) return status;
+    mukca_status status = MUKCA_OK;
+    MUKCA_TRY(cli_check_outputs(call));
     call->session = calloc(1, sizeof *call->session);
     call->work = calloc(1, command->work_size ? command->work_size : 1);
     if (call->session && call->work)

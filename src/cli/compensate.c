@@ -244,11 +244,10 @@ static mukca_status correct_all(cli_call *call, FILE *stream)
 {
     job *b = call->work;
     const cli_list input = cli_inputs(call);
-    mukca_status status = MUKCA_OK;
     b->stream = stream;
-    for (int i = 0; i < input.n && status == MUKCA_OK; i++)
-        status = b->from ? correct_program(b, input.items[i]) : correct_table(b, input.items[i]);
-    return status;
+    for (int i = 0; i < input.n; i++)
+        MUKCA_TRY((b->from ? correct_program : correct_table)(b, input.items[i]));
+    return MUKCA_OK;
 }
 
 /* Write a program when all of it is known to be right: if no line was refused. */

@@ -63,15 +63,13 @@ mukca_status cli_diagnosis_run(cli_call *call, cli_diagnosis *d)
                                   .test = d->options.test,
                                   .next = &d->next,
                                   .saved = c->output != NULL};
-    mukca_status status = cli_check_moving(call, &s->data, false);
+    const mukca_status status = cli_check_moving(call, &s->data, false);
     if (status == MUKCA_UNIDENTIFIABLE)
         cli_note(call, "%s", error->text); /* why it is untestable */
     if (status == MUKCA_MEMORY) return status;
     *error = (mukca_error){.status = MUKCA_OK};
-    status = mukca_diagnose(&d->diagnosis, chain, &s->data, &d->options, error);
-    if (status == MUKCA_OK)
-        status = mukca_next_poses_choose(&d->next, &d->diagnosis, chain, &s->data, cli_stop, error);
-    return status;
+    MUKCA_TRY(mukca_diagnose(&d->diagnosis, chain, &s->data, &d->options, error));
+    return mukca_next_poses_choose(&d->next, &d->diagnosis, chain, &s->data, cli_stop, error);
 }
 
 void cli_diagnosis_free(cli_diagnosis *d)
@@ -119,9 +117,8 @@ static mukca_status go_on(void *context, struct mukca_regression *m, mukca_diagn
     cli_call *call = context;
     const diagnose_options *o = call->options;
     diagnose_work *w = call->work;
-    mukca_status status = MUKCA_OK;
-    if (o->summary) status = mukca_summary_take(&w->summary, m, error);
-    if (status != MUKCA_OK || !o->common.traits) return status;
+    MUKCA_TRY(o->summary ? mukca_summary_take(&w->summary, m, error) : MUKCA_OK);
+    if (!o->common.traits) return MUKCA_OK;
     w->adoption = (mukca_adoption){.traits = &call->session->traits,
                                    .test = call->session->test.n_rows ? &call->session->test : NULL,
                                    .only = o->traits_only};
@@ -151,13 +148,12 @@ static mukca_status run(cli_call *call)
 {
     const diagnose_options *o = call->options;
     diagnose_work *w = call->work;
-    mukca_status status = MUKCA_OK;
-    if (o->summary) status = cli_arm_label(call, w->summary.arm, o->arm);
+    MUKCA_TRY(o->summary ? cli_arm_label(call, w->summary.arm, o->arm) : MUKCA_OK);
     w->analysis.options =
         (mukca_diagnose_options){.disabled = w->disabled, .go_on = go_on, .go_on_context = call};
-    if (status == MUKCA_OK) status = cli_diagnosis_run(call, &w->analysis);
-    if (status == MUKCA_OK && o->summary) status = cli_write(call, o->summary, write_summary);
-    return status == MUKCA_OK ? write_offsets(call, &w->analysis) : status;
+    MUKCA_TRY(cli_diagnosis_run(call, &w->analysis));
+    MUKCA_TRY(cli_write(call, o->summary, write_summary));
+    return write_offsets(call, &w->analysis);
 }
 
 /* With the errors of the fit with traits, if it was adopted. */

@@ -53,11 +53,10 @@ static mukca_status check(cli_call *call)
 static mukca_status run(cli_call *call)
 {
     cli_session *s = call->session;
-    mukca_status status = MUKCA_OK;
-    if (call->arguments.n) /* its chain still has the factory's origins */
-        status = cli_load_data(call, &s->data, &s->model, &call->arguments);
+    /* while the chain still has the factory's origins */
+    MUKCA_TRY(cli_load_data(call, &s->data, &s->model, &call->arguments));
     s->model.chain = s->model.urdf; /* the exported origins replace the URDF's */
-    return status;
+    return MUKCA_OK;
 }
 
 static mukca_status write_model(cli_call *call, FILE *stream)

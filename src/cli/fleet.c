@@ -22,35 +22,32 @@ static void release(void *fleet)
 
 mukca_status cli_fleet_read(cli_call *call, mukca_fleet *f)
 {
-    mukca_status status = MUKCA_OK;
-    for (int i = 0; i < call->arguments.n && status == MUKCA_OK; i++) {
+    for (int i = 0; i < call->arguments.n; i++) {
         if (cli_interrupted()) return cli_fail(call, MUKCA_INTERRUPTED, "interrupted");
         cli_progress(call, "reading summaries", i, call->arguments.n);
-        status = mukca_summary_read(f, call->arguments.items[i], &call->error);
+        MUKCA_TRY(mukca_summary_read(f, call->arguments.items[i], &call->error));
     }
-    return status == MUKCA_OK ? mukca_fleet_gather(f, &call->error) : status;
+    return mukca_fleet_gather(f, &call->error);
 }
 
 static mukca_status write_traits(cli_call *call, FILE *stream)
 {
     const fleet_options *o = call->options;
     const mukca_fleet *f = call->work;
-    mukca_status status = MUKCA_OK;
     /* the bytes of a partial file do not depend on previous merges: its lines are sorted */
-    for (int s = 0; o->partial && s < f->n_sessions && status == MUKCA_OK; s++)
-        status = mukca_summary_write(stream, f->session[s], &call->error);
+    for (int s = 0; o->partial && s < f->n_sessions; s++)
+        MUKCA_TRY(mukca_summary_write(stream, f->session[s], &call->error));
     if (!o->partial) mukca_traits_write(stream, &f->traits);
-    return status;
+    return MUKCA_OK;
 }
 
 static mukca_status run(cli_call *call)
 {
     const fleet_options *o = call->options;
-    const char *output = call->common->output;
     mukca_fleet *f = call->work;
-    mukca_status status = cli_fleet_read(call, f);
-    if (status == MUKCA_OK && !o->partial) status = mukca_fleet_pool(f, &call->error);
-    return status == MUKCA_OK && output ? cli_write(call, output, write_traits) : status;
+    MUKCA_TRY(cli_fleet_read(call, f));
+    MUKCA_TRY(o->partial ? MUKCA_OK : mukca_fleet_pool(f, &call->error));
+    return cli_write(call, call->common->output, write_traits);
 }
 
 /* ---- JSON ---- */

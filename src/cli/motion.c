@@ -228,8 +228,8 @@ static mukca_status run(cli_call *call)
     w->input.progress_context = call;
     if (o->report) w->input.view = view;
     MUKCA_TRY(mukca_motion_analyse(&w->motion, &w->input, &call->error));
-    if (call->common->output) MUKCA_TRY(cli_write(call, call->common->output, write_table));
-    return o->report ? cli_write(call, o->report, write_page) : MUKCA_OK;
+    MUKCA_TRY(cli_write(call, call->common->output, write_table));
+    return cli_write(call, o->report, write_page);
 }
 
 /* ---- screen ---- */

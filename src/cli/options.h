@@ -76,13 +76,16 @@ typedef struct {
     cli_arm arm;
     const char *distances, *json, *output, *payload, *units, *columns, *rotation, *traits;
     cli_list test;
-    int angles;                   /* 1: commanded */
-    int map;                      /* 0: by name; 1: in order; 2: in order, w last */
+    int angles, map;              /* choices, see below */
     int threads;                  /* as of mukca_workers_start */
     double distance, distance_sd; /* m */
     bool free_base, free_tool, inverse_poses, accept_other_arm, accept_failed, accept_edited, force,
         quiet, verbose;
 } cli_common;
+
+/* Choices of --angles and --map, in the order of their names in the table. */
+enum { CLI_ANGLES_READ, CLI_ANGLES_COMMANDED };
+enum { CLI_BY_NAME, CLI_BY_ORDER, CLI_BY_ORDER_W_LAST };
 
 /* Sets of common options that a command can take.  --force, -q and -v are common to all. */
 enum {

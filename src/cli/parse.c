@@ -84,7 +84,7 @@ static const char *unit_words(const cli_option *option)
     return "";
 }
 
-static void *member(cli_call *call, const cli_option *option)
+void *cli_option_member(const cli_call *call, const cli_option *option)
 {
     return (char *)call->options + option->offset;
 }
@@ -154,7 +154,7 @@ static mukca_status set_value(cli_call *call, const cli_option *option, const ch
         [CLI_INTEGER] = "a whole number",
         [CLI_CHOICE] = "one of",
     };
-    void *at = member(call, option);
+    void *at = cli_option_member(call, option);
     char list[160] = "", range[64];
     mukca_text names = MUKCA_TEXT(list);
     if (!*text) /* from an unset variable in a script */
@@ -227,7 +227,7 @@ static mukca_status take_option(cli_call *call, int *used, const cli_option *opt
     note_given(call, option, argv, *used);
     if (option->kind == CLI_FLAG) {
         if (inlined) return cli_fail(call, MUKCA_USAGE, "--%s takes no value", option->name);
-        *(bool *)member(call, option) = true;
+        *(bool *)cli_option_member(call, option) = true;
         return MUKCA_OK;
     }
     if (inlined) return set_value(call, option, inlined);
@@ -326,7 +326,8 @@ mukca_status cli_parse(cli_call *call, bool *help, int argc, char **argv)
 void cli_call_free(cli_call *call)
 {
     for (const cli_option *o = NULL; call->options && (o = cli_next_option(call->command, o));)
-        if (o->kind == CLI_TEXTS || o->kind == CLI_REST) free(((cli_list *)member(call, o))->items);
+        if (o->kind == CLI_TEXTS || o->kind == CLI_REST)
+            free(((cli_list *)cli_option_member(call, o))->items);
     free(call->arguments.items);
     free(call->options);
     call->options = NULL;

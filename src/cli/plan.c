@@ -96,7 +96,6 @@ static mukca_status add_place(plan_work *r, const char *text, int number)
 static mukca_status gather_sockets(plan_work *r)
 {
     const plan_options *o = r->call->options;
-    mukca_status status = MUKCA_OK;
     if (r->data->n_rows > 0) {
         r->n_sockets =
             mukca_plan_sockets(r->sockets, MUKCA_PLAN_MAX_SOCKETS, &r->model->geometry, r->data);
@@ -104,9 +103,9 @@ static mukca_status gather_sockets(plan_work *r)
             return cli_fail(r->call, MUKCA_INPUT,
                             "these DATA have no sockets; plan is for socket data");
     }
-    for (int i = 0; i < o->places.n && status == MUKCA_OK; i++)
-        status = add_place(r, o->places.items[i], r->data->n_placements + i);
-    return status;
+    for (int i = 0; i < o->places.n; i++)
+        MUKCA_TRY(add_place(r, o->places.items[i], r->data->n_placements + i));
+    return MUKCA_OK;
 }
 
 /* The alternatives of a finding, and the diagnosed geometry for the plan. */
@@ -118,9 +117,7 @@ static mukca_status find_pair(plan_work *r)
                                              .progress_context = r->call};
     const int finding = ((const plan_options *)r->call->options)->split - 1;
     mukca_next_poses next;
-    const mukca_status status =
-        mukca_diagnose(&r->diagnosis, chain, r->data, &diagnose, &r->call->error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(mukca_diagnose(&r->diagnosis, chain, r->data, &diagnose, &r->call->error));
     if (!mukca_next_poses_pair(&next, &r->options, r->tied, &r->diagnosis, finding))
         return cli_fail(r->call, MUKCA_NEGATIVE,
                         "%s (%d finding%s in all); without --for, postures are chosen for accuracy",
@@ -149,9 +146,10 @@ static mukca_status run(cli_call *call)
                                       .stop = cli_stop,
                                       .progress = progress,
                                       .context = r->call};
+    mukca_evaluation evaluation;
     mukca_status status = cli_check_moving(call, r->data, false);
     if (status == MUKCA_OK && r->data->n_sockets > 0)
-        status = cli_check_scatter(call, call->arguments.items[0], r->model, r->data);
+        status = cli_check_scatter(&evaluation, call, call->arguments.items[0], r->model, r->data);
     if (status == MUKCA_OK && o->split) status = find_pair(r);
     if (status == MUKCA_OK) status = gather_sockets(r);
     if (status != MUKCA_OK) return status;

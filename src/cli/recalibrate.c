@@ -85,13 +85,14 @@ static mukca_status fit_log(cli_call *call, recalibrate_work *r)
                                       .free_tool = o->common.free_tool,
                                       .limits = {.stop = cli_stop}};
     mukca_recalibration *fit = r->fit;
-    mukca_status status = mukca_recalibrate(fit, &r->arm, r->log, &wanted, o->robust, &call->error);
-    if (status != MUKCA_OK || !r->tested) return status;
+    MUKCA_TRY(mukca_recalibrate(fit, &r->arm, r->log, &wanted, o->robust, &call->error));
+    if (!r->tested) return MUKCA_OK;
     mukca_pose_log_shift(r->test_log, fit->lag);
-    for (int k = 0; k < MUKCA_STAGES && status == MUKCA_OK; k++)
-        if (k != MUKCA_WITH_ANGLES || fit->has_angles)
-            status = mukca_pose_errors_find(&r->test[k], &fit->stage[k], r->test_log, &call->error);
-    return status;
+    for (int k = 0; k < MUKCA_STAGES; k++) {
+        if (k == MUKCA_WITH_ANGLES && !fit->has_angles) continue;
+        MUKCA_TRY(mukca_pose_errors_find(&r->test[k], &fit->stage[k], r->test_log, &call->error));
+    }
+    return MUKCA_OK;
 }
 
 /* The table of the fit, judged as that of calibrate; elements after the link of the poses stay

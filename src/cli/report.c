@@ -28,12 +28,10 @@ typedef struct {
 static mukca_status take_offsets(cli_call *call)
 {
     report_work *w = call->work;
-    if (!call->common->arm.offsets && w->analysis.diagnosis.applied.fitted) {
-        w->page.fitted = &w->analysis.chain;
-        return cli_diagnosis_offsets(call, &w->analysis);
-    }
     w->analysis.offsets = call->session->model.offsets;
-    return MUKCA_OK;
+    if (call->common->arm.offsets || !w->analysis.diagnosis.applied.fitted) return MUKCA_OK;
+    w->page.fitted = &w->analysis.chain;
+    return cli_diagnosis_offsets(call, &w->analysis);
 }
 
 static mukca_status write_page(cli_call *call, FILE *stream)
@@ -47,8 +45,8 @@ static mukca_status write_page(cli_call *call, FILE *stream)
 static mukca_status prepare_fleet(cli_call *call)
 {
     report_work *w = call->work;
-    const mukca_status status = cli_fleet_read(call, &w->fleet);
-    return status == MUKCA_OK ? mukca_fleet_pool(&w->fleet, &call->error) : status;
+    MUKCA_TRY(cli_fleet_read(call, &w->fleet));
+    return mukca_fleet_pool(&w->fleet, &call->error);
 }
 
 static mukca_status check(cli_call *call)
@@ -81,14 +79,14 @@ static mukca_status prepare_arm(cli_call *call)
                              .offsets = &w->analysis.offsets,
                              .train = &s->data,
                              .test = &s->test};
-    mukca_status status = cli_read(call, CLI_READS_CONDENSED);
-    if (status == MUKCA_OK) status = cli_diagnosis_run(call, &w->analysis);
-    if (status == MUKCA_OK) status = take_offsets(call);
+    MUKCA_TRY(cli_read(call, CLI_READS_CONDENSED));
+    MUKCA_TRY(cli_diagnosis_run(call, &w->analysis));
+    MUKCA_TRY(take_offsets(call));
     w->page.diagnosed = w->analysis.result;
     w->page.diagnosed.saved = true;
-    w->page.free_base = w->analysis.options.free_base,
+    w->page.free_base = w->analysis.options.free_base;
     w->page.free_tool = w->analysis.options.free_tool;
-    return status == MUKCA_OK ? mukca_report_prepare(&w->page, &call->error) : status;
+    return mukca_report_prepare(&w->page, &call->error);
 }
 
 static mukca_status run(cli_call *call)

@@ -142,28 +142,28 @@ static mukca_status run(cli_call *call)
     clock_gettime(CLOCK_REALTIME, &t);
     c->id = (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
     c->wants_status = strcmp(call->arguments.items[0], "status") == 0;
-    mukca_status status = check_verb(call, call->arguments.items[0]);
-    if (status == MUKCA_OK && o->key) status = mukca_lcm_key_read(&c->key, o->key, error);
-    if (status == MUKCA_OK)
-        status = mukca_lcm_link_open(&c->link, &o->network, on_packet, c, error);
-    if (status == MUKCA_OK && c->link.replays)
-        status = mukca_fail(error, MUKCA_USAGE, "commands need a network, not a log");
+    MUKCA_TRY(check_verb(call, call->arguments.items[0]));
+    MUKCA_TRY(o->key ? mukca_lcm_key_read(&c->key, o->key, error) : MUKCA_OK);
+    MUKCA_TRY(mukca_lcm_link_open(&c->link, &o->network, on_packet, c, error));
+    if (c->link.replays)
+        return mukca_fail(error, MUKCA_USAGE, "commands need a network, not a log");
     mukca_message_channel(channel, c->wants_status ? MUKCA_MESSAGE_STATUS : MUKCA_MESSAGE_RESULT,
                           o->prefix);
-    if (status == MUKCA_OK) mukca_lcm_multicast_listen(c->link.multicast, &channels);
-    if (status == MUKCA_OK && !c->wants_status) status = send_command(c);
-    double deadline = cli_elapsed(call) + o->timeout;
-    while (status == MUKCA_OK && !c->answered) {
-        status = mukca_lcm_link_wait(&c->link, 100, -1, NULL, error);
+    mukca_lcm_multicast_listen(c->link.multicast, &channels);
+    MUKCA_TRY(c->wants_status ? MUKCA_OK : send_command(c));
+    const double deadline = cli_elapsed(call) + o->timeout;
+    while (!c->answered) {
+        const mukca_status status = mukca_lcm_link_wait(&c->link, 100, -1, NULL, error);
         if (cli_interrupted())
             return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted; serve completes the command");
-        if (status == MUKCA_OK && !c->answered && cli_elapsed(call) > deadline)
-            status = mukca_fail(error, MUKCA_TRANSPORT,
-                                "no answer on %s for %g s: is mukca serve running on this network "
-                                "(--lcm-url, --prefix)?",
-                                channel, o->timeout);
+        if (status != MUKCA_OK) return status;
+        if (!c->answered && cli_elapsed(call) > deadline)
+            return mukca_fail(error, MUKCA_TRANSPORT,
+                              "no answer on %s for %g s: is mukca serve running on this network "
+                              "(--lcm-url, --prefix)?",
+                              channel, o->timeout);
     }
-    return status ? status : c->status;
+    return c->status;
 }
 
 static void release(void *work)

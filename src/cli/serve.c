@@ -60,11 +60,10 @@ static mukca_status run(cli_call *call)
     cli_live_complete(&o->live, call->common);
     options->recorder = o->live.recorder;
     cli_live_arguments(options->arguments, call);
-    mukca_status status =
-        mukca_server_open(s, options, &model->chain, model->offsets.theta, &hooks, &call->error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(
+        mukca_server_open(s, options, &model->chain, model->offsets.theta, &hooks, &call->error));
     cli_relay_open(&w->relay);
-    status = mukca_server_run(s, &call->error);
+    const mukca_status status = mukca_server_run(s, &call->error);
     cli_relay_close(&w->relay);
     conclude(call, s);
     return status;

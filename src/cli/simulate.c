@@ -119,17 +119,15 @@ static mukca_status name_places(simulation *s, const simulate_options *o, mukca_
     s->n_places = n;
     for (int i = 0; i < n + held_out; i++) {
         mukca_place *p = &s->places[i];
-        mukca_status status = MUKCA_OK;
-        if (i < o->places.n)
-            status = cli_read_place(p, o->places.items[i], error);
-        else
+        if (i < o->places.n) {
+            MUKCA_TRY(cli_read_place(p, o->places.items[i], error));
+        } else {
             snprintf(p->name, sizeof p->name, i < n ? "p%d" : "held_out_%d",
                      i < n ? i + 1 : i - n + 1);
-        for (int k = 0; k < i && status == MUKCA_OK; k++)
+        }
+        for (int k = 0; k < i; k++)
             if (strcmp(s->places[k].name, p->name) == 0)
-                status =
-                    mukca_fail(error, MUKCA_USAGE, "two placements have the name '%s'", p->name);
-        if (status) return status;
+                return mukca_fail(error, MUKCA_USAGE, "two placements have the name '%s'", p->name);
     }
     return mukca_simulate_places(s->places, n + held_out, &s->model->chain, s->recording.distance,
                                  s->recording.seed, error);
@@ -153,10 +151,8 @@ static mukca_status gather_effects(simulation *s, const simulate_options *o, muk
             if (strcmp(s->places[p].name, name) == 0) effect.placement = p;
         if (!name || effect.placement >= 0) hidden->effects[hidden->n_effects++] = effect;
     }
-    for (int i = 0; i < o->effects.n; i++) {
-        mukca_status status = cli_simulated_parse(hidden, o->effects.items[i], error);
-        if (status) return status;
-    }
+    for (int i = 0; i < o->effects.n; i++)
+        MUKCA_TRY(cli_simulated_parse(hidden, o->effects.items[i], error));
     memcpy(s->arm.effects, hidden->effects, sizeof hidden->effects);
     s->arm.n_effects = hidden->n_effects;
     return MUKCA_OK;
@@ -188,11 +184,10 @@ static mukca_status prepare_motion(cli_call *call)
     s->hidden.moves = true;
     if (!s->model->chain.n_masses)
         return cli_fail(call, MUKCA_USAGE, "--motion needs link masses; give --inertials FILE");
-    mukca_status status = MUKCA_OK;
-    for (int i = 0; i < o->effects.n && status == MUKCA_OK; i++)
-        status = cli_simulated_parse(&s->hidden, o->effects.items[i], &call->error);
+    for (int i = 0; i < o->effects.n; i++)
+        MUKCA_TRY(cli_simulated_parse(&s->hidden, o->effects.items[i], &call->error));
     s->motion.n_effects = s->hidden.n_torques;
-    return status;
+    return MUKCA_OK;
 }
 
 /* Fill the zeroed simulation from the options of the call. */
@@ -216,10 +211,10 @@ static mukca_status prepare(cli_call *call)
                            1e-3 * perturb[0], 1e-3 * perturb[1], s->recording.seed);
     for (int i = 0; i < MUKCA_MAX_THETA; i++) s->truth.identifiable[i] = s->truth.listed[i];
     mukca_simulate_arm(&s->arm, &s->model->chain, s->truth.theta);
-    mukca_status status = name_places(s, o, &call->error);
-    if (status == MUKCA_OK) status = gather_effects(s, o, &call->error);
-    if (status == MUKCA_OK) set_truth(s);
-    return status;
+    MUKCA_TRY(name_places(s, o, &call->error));
+    MUKCA_TRY(gather_effects(s, o, &call->error));
+    set_truth(s);
+    return MUKCA_OK;
 }
 
 /* ---- recording ---- */
@@ -292,8 +287,8 @@ static mukca_status record_at(cli_call *call, mukca_dataset *data)
     double *q = NULL;
     int count = 0;
     mukca_row row;
-    mukca_status status = mukca_rows_open(&s->rows, o->at, &s->model->chain, &header, &call->error);
-    if (status != MUKCA_OK) return status;
+    mukca_status status = MUKCA_OK;
+    MUKCA_TRY(mukca_rows_open(&s->rows, o->at, &s->model->chain, &header, &call->error));
     while (status == MUKCA_OK && mukca_rows_next(&s->rows, &row)) {
         double *added = mukca_list_append(&q, &count, size);
         if (added)
@@ -334,17 +329,14 @@ static mukca_status run(cli_call *call)
 {
     const simulate_options *o = call->options;
     simulation *s = call->work;
-    mukca_status status = moves(o) ? prepare_motion(call) : prepare(call);
-    if (status == MUKCA_OK && moves(o))
-        return o->truth ? cli_write(call, o->truth, write_effects) : MUKCA_OK;
+    MUKCA_TRY(moves(o) ? prepare_motion(call) : prepare(call));
+    if (moves(o)) return cli_write(call, o->truth, write_effects);
     s->truth.acceptance.given = s->truth.acceptance.accepted = s->truth.acceptance.converged = true;
-    if (status == MUKCA_OK) status = record(call, &call->session->data, false);
-    if (status == MUKCA_OK && o->test) status = record(call, &call->session->test, true);
-    if (status == MUKCA_OK && o->test) status = cli_write(call, o->test, write_test);
-    if (status == MUKCA_OK)
-        status = cli_write_offsets(call, o->truth, &s->truth, &s->model->chain, NULL,
-                                   "the true arm of a simulation");
-    return status;
+    MUKCA_TRY(record(call, &call->session->data, false));
+    MUKCA_TRY(o->test ? record(call, &call->session->test, true) : MUKCA_OK);
+    MUKCA_TRY(cli_write(call, o->test, write_test));
+    return cli_write_offsets(call, o->truth, &s->truth, &s->model->chain, NULL,
+                             "the true arm of a simulation");
 }
 
 const cli_command cli_command_simulate = {
