@@ -23,7 +23,7 @@ static const cli_option options[] = {
         "weight of the regularisation towards the nominal model, per placement (default: 1e-4)"),
     CLI_CHOICE_OPTION(calibrate_options, solver, "solver", "SOLVER", mukca_solver_name,
                       "minimiser (default: slsqp)"),
-    CLI_CHOICE_OPTION(calibrate_options, gradient, "gradient", "GRADIENT", calibrate_gradients,
+    CLI_CHOICE_OPTION(calibrate_options, gradient, "gradient", "GRADIENT", cli_gradients,
                       "central differences (default), or analytic"),
     {.name = NULL}};
 
@@ -128,7 +128,7 @@ static mukca_status judge_offsets(cli_call *call, const mukca_fit_options *wante
     return status;
 }
 
-static mukca_status write_offsets(cli_call *call)
+static mukca_status write_offsets(cli_call *call, FILE *stream)
 {
     const calibrate_work *w = call->work;
     const mukca_dataset *data = &call->session->data;
@@ -136,8 +136,7 @@ static mukca_status write_offsets(cli_call *call)
     snprintf(comments, sizeof comments,
              "mean error on %d training samples: %.4g m nominal, %.4g m calibrated", data->n_rows,
              w->scores.set[0].mean[CLI_NOMINAL].mae, w->scores.set[0].mean[CLI_CALIBRATED].mae);
-    return cli_write_offsets(call, call->common->output, &w->offsets, &w->fit.chain, data,
-                             comments);
+    return mukca_offsets_write(stream, &w->offsets, &w->fit.chain, data, comments, &call->error);
 }
 
 static mukca_status run(cli_call *call)
@@ -162,7 +161,7 @@ static mukca_status run(cli_call *call)
     MUKCA_TRY(cli_scores_make(call, &w->scores, &fit->chain, fit->theta, NULL, "train"));
     MUKCA_TRY(judge_offsets(call, &wanted));
     add_traits(call);
-    return write_offsets(call);
+    return cli_write(call, o->common.output, write_offsets);
 }
 
 const cli_command cli_command_calibrate = {
@@ -200,7 +199,7 @@ const cli_command cli_command_calibrate = {
     .defaults = &defaults,
     .reads = CLI_READS_DATA,
     .run = run,
-    .json = calibrate_json,
-    .print = calibrate_print,
+    .json = cli_calibration_json,
+    .print = cli_calibration_print,
     .work_size = sizeof(calibrate_work),
 };

@@ -23,12 +23,12 @@ typedef struct {
 } calibrate_work;
 
 /* Print one screen, the verdict first; returns the exit code. */
-mukca_status calibrate_print(cli_call *call);
+mukca_status cli_calibration_print(cli_call *call);
 
 /* Members of mukca.calibrate/1. */
-json_t *calibrate_json(const cli_call *call);
+json_t *cli_calibration_json(const cli_call *call);
 
-/* Names of --solver and --gradient. */
-extern const char *const calibrate_gradients[];
+/* Names of --gradient. */
+extern const char *const cli_gradients[];
 
 #endif

@@ -27,7 +27,7 @@ typedef struct {
     cli_capture_view terminal;
     double redrawn, published; /* s */
     bool finished;
-} session;
+} capture_work;
 
 static const double redraw_period = 0.1;  /* s; appears smooth */
 static const double publish_period = 0.5; /* s; specified in data/lcm/mukca_status.lcm */
@@ -36,7 +36,7 @@ static const double publish_period = 0.5; /* s; specified in data/lcm/mukca_stat
 
 static void report(void *context, const char *line)
 {
-    session *s = context;
+    capture_work *s = context;
     if (s->call->common->quiet) return;
     cli_capture_print(&s->terminal, line);
     s->redrawn = 0;
@@ -44,13 +44,13 @@ static void report(void *context, const char *line)
 
 static mukca_status may_trigger(void *context, const mukca_lcm_packet *packet, mukca_error *error)
 {
-    const session *s = context;
+    const capture_work *s = context;
     (void)packet;
     if (!s->options->rows || s->recorder.session.file.n_rows < s->options->rows) return MUKCA_OK;
     return mukca_fail(error, MUKCA_NEGATIVE, "the session has its %d samples", s->options->rows);
 }
 
-static void read_keys(session *s)
+static void read_keys(capture_work *s)
 {
     char keys[16];
     ssize_t n = read(s->keys, keys, sizeof keys);
@@ -58,7 +58,7 @@ static void read_keys(session *s)
     if (n == 0) s->keys = -1; /* hangup: reading on would spin */
 }
 
-static mukca_status confirm_map(session *s)
+static mukca_status confirm_map(capture_work *s)
 {
     char text[4096], answer[16] = "";
     mukca_recorder *r = &s->recorder;
@@ -80,7 +80,7 @@ static mukca_status confirm_map(session *s)
 
 /* ---- the session ---- */
 
-static mukca_status loop(session *s)
+static mukca_status loop(capture_work *s)
 {
     mukca_recorder *r = &s->recorder;
     mukca_status status = MUKCA_OK;
@@ -111,7 +111,7 @@ static mukca_status loop(session *s)
     return status == MUKCA_NEGATIVE ? MUKCA_OK : status; /* end of the log */
 }
 
-static json_t *summary(const session *s)
+static json_t *summary_json(const capture_work *s)
 {
     const mukca_recorder *r = &s->recorder;
     const mukca_dataset *rows = &r->session.capture.rows;
@@ -150,7 +150,7 @@ static int count_finished(const mukca_capture *c)
 }
 
 /* Print the command that uses this session, with the options that specify the arm. */
-static void print_next(const session *s)
+static void print_next(const capture_work *s)
 {
     const char *words[MUKCA_SERVER_ARGUMENTS];
     char line[4096] = "";
@@ -168,7 +168,7 @@ static void print_next(const session *s)
 
 /* Name joints that did not move, and samples too far apart for any arm with its ball in one
  * socket.  False: there are such samples. */
-static bool check_samples(const session *s)
+static bool check_samples(const capture_work *s)
 {
     const mukca_capture *c = &s->recorder.session.capture;
     double coverage[MUKCA_MAX_JOINTS], largest = 0;
@@ -191,7 +191,7 @@ static bool check_samples(const session *s)
     return false;
 }
 
-static void conclude(session *s)
+static void conclude(capture_work *s)
 {
     const mukca_recorder *r = &s->recorder;
     if (r->link.log.skipped)
@@ -219,7 +219,7 @@ static mukca_status check(cli_call *call)
     const capture_options *o = call->options;
     const cli_common *c = call->common;
     mukca_error *error = &call->error;
-    session *s = call->work;
+    capture_work *s = call->work;
     s->call = call;
     s->options = o;
     s->keys = find_terminal(o->live.recorder.lines);
@@ -241,7 +241,7 @@ static mukca_status check(cli_call *call)
     return MUKCA_OK;
 }
 
-static mukca_status prepare(session *s)
+static mukca_status prepare(capture_work *s)
 {
     cli_call *call = s->call;
     capture_options *o = call->options;
@@ -260,7 +260,7 @@ static mukca_status prepare(session *s)
 
 static mukca_status run(cli_call *call)
 {
-    session *s = call->work;
+    capture_work *s = call->work;
     const char *term = getenv("TERM");
     s->view = isatty(STDERR_FILENO) && !call->common->quiet && term && strcmp(term, "dumb") != 0;
     MUKCA_TRY(prepare(s));
@@ -274,7 +274,7 @@ static mukca_status run(cli_call *call)
         mukca_sampling_publish_status(&s->recorder, "stopped");
         conclude(s);
         const mukca_status written =
-            call->common->json ? cli_write_json(call, summary(s)) : MUKCA_OK;
+            call->common->json ? cli_write_json(call, summary_json(s)) : MUKCA_OK;
         mukca_error lost;
         mukca_status finished = mukca_recorder_finish(&s->recorder, &lost);
         if (written != MUKCA_OK) status = written;
@@ -289,7 +289,7 @@ static mukca_status run(cli_call *call)
 
 static void release(void *work)
 {
-    session *s = work;
+    capture_work *s = work;
     mukca_recorder_close(&s->recorder);
 }
 
@@ -357,6 +357,6 @@ const cli_command cli_command_capture = {
     .check = check,
     .reads = CLI_READS_MODEL,
     .run = run,
-    .work_size = sizeof(session),
+    .work_size = sizeof(capture_work),
     .release = release,
 };

@@ -79,7 +79,7 @@ typedef struct {
     json_t *(*json)(const cli_call *call); /* --json, without its schema */
     cli_step *print;                       /* the answer; returns the exit code */
     size_t work_size;                      /* of call->work, or 0 */
-    void (*release)(void *work);           /* frees its members */
+    void (*release)(void *work);           /* frees what its members own outside of the pool */
 } cli_command;
 
 typedef struct {
@@ -106,9 +106,9 @@ struct cli_call {
     cli_list arguments;                /* positionals */
     cli_given given[CLI_MOST_OPTIONS]; /* [n_given] each option once */
     int n_given;
-    cli_session *session; /* zeroed, filled as the command reads; freed after the run */
-    void *work;           /* zeroed memory of the command, freed after the run */
-    mukca_pool pool;      /* for its arrays, likewise */
+    cli_session *session; /* zeroed, filled as the command reads */
+    void *work;           /* zeroed memory of the command */
+    mukca_pool pool;      /* of all these, and for the command's arrays */
     mukca_error error;
     double started, progressed; /* s, monotonic: the start, the last progress line */
     bool showing;               /* a progress line is on the screen */
@@ -143,8 +143,7 @@ const cli_command *cli_find_command(const char *name); /* NULL: none */
 /* Error for a `name` that is no effect, with a suggestion: MUKCA_USAGE. */
 mukca_status cli_fail_effect(mukca_error *error, const char *option, const char *name);
 
-/* Run the steps of the parsed command with zeroed call->session and call->work; frees them and the
- * pool. */
+/* Run the steps of the parsed command. */
 mukca_status cli_run(cli_call *call);
 
 /* ---- terminal output (terminal.c) ---- */
@@ -297,11 +296,6 @@ mukca_status cli_write_table(cli_call *call, cli_writer *write);
 
 /* Write a page with the command line and the time.  Errors: MUKCA_MEMORY. */
 mukca_status cli_write_page(cli_call *call, FILE *stream, mukca_page page);
-
-/* Write an offsets table to `path` (NULL: none); the arguments are those of mukca_offsets_write. */
-mukca_status cli_write_offsets(cli_call *call, const char *path, const mukca_offsets *offsets,
-                               const mukca_chain *chain, const mukca_dataset *data,
-                               const char *comments);
 
 /* Write `members` (reference stolen) to --json, after the schema "mukca.COMMAND/1".  Errors:
  * MUKCA_INPUT, MUKCA_MEMORY (also after any allocation that failed). */

@@ -1,5 +1,13 @@
 /* mukca diagnose: identify and quantify the causes of the remaining error. */
 #include "cli/diagnose.h"
+
+#include <libgen.h>
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include "cli/scores.h"
 #include "diagnose/diagnose.h"
 #include "fit/mismatch.h"
@@ -78,6 +86,42 @@ void cli_diagnosis_free(cli_diagnosis *d)
     mukca_diagnosis_free(&d->diagnosis);
 }
 
+/* ---- label of the arm ---- */
+
+/* Name of the arm's folder: `path` if it contains placements, else the folder that contains it. */
+static bool folder_of(char name[MUKCA_NAME_SIZE], const char *path)
+{
+    char whole[PATH_MAX], socket[PATH_MAX + 16];
+    struct stat about;
+    if (!realpath(path, whole) || stat(whole, &about) != 0) return false;
+    snprintf(socket, sizeof socket, "%s/hole_0.csv", whole);
+    const bool placements = S_ISDIR(about.st_mode) && access(socket, F_OK) != 0;
+    const char *folder = basename(placements ? whole : dirname(whole));
+    if (!*folder || *folder == '/' || strlen(folder) >= MUKCA_NAME_SIZE) return false;
+    memcpy(name, folder, strlen(folder) + 1);
+    return true;
+}
+
+/* The label of the arm: `given`, else the name of the data's folder. */
+static mukca_status find_label(char label[MUKCA_NAME_SIZE], cli_call *call, const char *given)
+{
+    char other[MUKCA_NAME_SIZE] = "";
+    if (given) {
+        if (!*given || strlen(given) >= MUKCA_NAME_SIZE || strpbrk(given, "\t\r\n"))
+            return cli_fail(call, MUKCA_USAGE,
+                            "--arm: the label must have 1 to 63 bytes and no tab or line feed");
+        memcpy(label, given, strlen(given) + 1);
+        return MUKCA_OK;
+    }
+    for (int i = 0; i < call->arguments.n; i++)
+        if (!folder_of(i ? other : label, call->arguments.items[i]) ||
+            (i && strcmp(other, label) != 0))
+            return cli_fail(
+                call, MUKCA_USAGE,
+                "the data do not lie in one folder that could name the arm; give --arm NAME");
+    return MUKCA_OK;
+}
+
 /* ---- the command ---- */
 
 typedef struct {
@@ -92,22 +136,18 @@ static void release(void *work)
     cli_diagnosis_free(&((diagnose_work *)work)->analysis);
 }
 
-/* Form the offsets table and its verdict; write it to -o. */
-static mukca_status write_offsets(cli_call *call, cli_diagnosis *analysis)
+static mukca_status write_offsets(cli_call *call, FILE *stream)
 {
+    const cli_diagnosis *analysis = &((const diagnose_work *)call->work)->analysis;
     const mukca_diagnosis *d = &analysis->diagnosis;
     char comments[512];
-    if (!call->common->output && !d->applied.fitted) return MUKCA_OK;
-    MUKCA_TRY(cli_diagnosis_offsets(call, analysis));
-    analysis->result.acceptance = &analysis->offsets.acceptance;
-    if (!call->common->output) return MUKCA_OK;
     snprintf(comments, sizeof comments,
              "diagnosis: %s; held-out mean error: %.4g m geometry, %.4g m with the effects\n"
              "sigma: standard error; identifiable: the data at least halved the prior uncertainty\n"
              "effects: the arm moves as if the joints were at the recorded angles + effects",
              mukca_verdict_name[d->verdict], d->geometry_m, d->applied_m);
-    return cli_write_offsets(call, call->common->output, &analysis->offsets, &analysis->chain,
-                             analysis->result.data, comments);
+    return mukca_offsets_write(stream, &analysis->offsets, &analysis->chain, analysis->result.data,
+                               comments, &call->error);
 }
 
 /* Analyses that need the regression: summary and traits, with the diagnosed causes. */
@@ -148,12 +188,15 @@ static mukca_status run(cli_call *call)
 {
     const diagnose_options *o = call->options;
     diagnose_work *w = call->work;
-    MUKCA_TRY(o->summary ? cli_arm_label(call, w->summary.arm, o->arm) : MUKCA_OK);
+    MUKCA_TRY(o->summary ? find_label(w->summary.arm, call, o->arm) : MUKCA_OK);
     w->analysis.options =
         (mukca_diagnose_options){.disabled = w->disabled, .go_on = go_on, .go_on_context = call};
     MUKCA_TRY(cli_diagnosis_run(call, &w->analysis));
     MUKCA_TRY(cli_write(call, o->summary, write_summary));
-    return write_offsets(call, &w->analysis);
+    if (!o->common.output && !w->analysis.diagnosis.applied.fitted) return MUKCA_OK;
+    MUKCA_TRY(cli_diagnosis_make_offsets(call, &w->analysis));
+    w->analysis.result.acceptance = &w->analysis.offsets.acceptance;
+    return cli_write(call, o->common.output, write_offsets);
 }
 
 /* With the errors of the fit with traits, if it was adopted. */
@@ -162,8 +205,7 @@ static json_t *as_json(const cli_call *call)
     const diagnose_work *w = call->work;
     const mukca_diagnosed *r = &w->analysis.result;
     const mukca_adoption *a = &w->adoption;
-    json_t *json = cli_diagnosis_json(r),
-           *traits = a->traits ? cli_adoption_json(a, r->diagnosis, r->chain) : NULL;
+    json_t *json = cli_diagnosis_json(r), *traits = a->traits ? cli_adoption_json(a, r) : NULL;
     json_object_update_new(json, cli_json(KEY("acceptance", cli_json_acceptance(r->acceptance)),
                                           KEY("traits", traits)));
     return json;
@@ -181,7 +223,7 @@ static mukca_status print(cli_call *call)
     if (answer)
         cli_print_mismatch(call, &s->data, w->analysis.options.free_base,
                            w->analysis.options.free_tool);
-    if (w->adoption.traits) cli_adoption_print(call, &w->adoption, d, &s->model.chain);
+    if (w->adoption.traits) cli_adoption_print(call, &w->adoption, &w->analysis.result);
     if (call->common->output && !w->analysis.offsets.acceptance.accepted) return MUKCA_NEGATIVE;
     for (int i = 0; i < d->n_causes; i++)
         if ((int)d->causes[i].effect.kind == expected) return MUKCA_OK;

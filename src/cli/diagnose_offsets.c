@@ -97,7 +97,7 @@ static mukca_status judge(cli_call *call, cli_diagnosis *analysis)
         &call->error);
 }
 
-mukca_status cli_diagnosis_offsets(cli_call *call, cli_diagnosis *d)
+mukca_status cli_diagnosis_make_offsets(cli_call *call, cli_diagnosis *d)
 {
     const mukca_diagnosed *r = &d->result;
     const mukca_applied *a = &d->diagnosis.applied;

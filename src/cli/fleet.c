@@ -57,7 +57,7 @@ static const char *joint_name(const mukca_fleet *f, int joint)
     return joint < 0 ? NULL : f->model.joint[joint];
 }
 
-static json_t *trait_object(const mukca_trait *t, const mukca_fleet *f)
+static json_t *trait_json(const mukca_trait *t, const mukca_fleet *f)
 {
     const mukca_effect_info *info = mukca_effect_table[t->effect.kind];
     return cli_json(FIELD(t, mean), FIELD(t, spread), FIELD(t, error), FIELD(t, value),
@@ -67,7 +67,7 @@ static json_t *trait_object(const mukca_trait *t, const mukca_fleet *f)
                     FIELD(t, arms), KEY("ci95", cli_json_interval(t->low, t->high)));
 }
 
-static json_t *departure_object(const mukca_departure *d, const mukca_fleet *f)
+static json_t *departure_json(const mukca_departure *d, const mukca_fleet *f)
 {
     return cli_json(KEY("arm", f->arm[d->arm].name),
                     KEY("effect", mukca_effect_table[d->effect.kind]->name),
@@ -76,12 +76,12 @@ static json_t *departure_object(const mukca_departure *d, const mukca_fleet *f)
                     KEY("ci95", cli_json_interval(d->low, d->high)), FIELD(d, mean));
 }
 
-static json_t *arm_object(const mukca_fleet *f, int arm)
+static json_t *arm_json(const mukca_fleet *f, int arm)
 {
     json_t *effects = json_array();
     const int n = f->population.n;
     for (int k = 0; k < n && f->arm[arm].departure.k >= 0; k++)
-        json_array_append_new(effects, departure_object(&f->arm[arm].estimate[k], f));
+        json_array_append_new(effects, departure_json(&f->arm[arm].estimate[k], f));
     return cli_json(KEY("arm", f->arm[arm].name),
                     KEY("sessions", f->arm[arm].end - f->arm[arm].first),
                     KEY("samples", f->arm[arm].samples), KEY("effects", effects));
@@ -93,7 +93,7 @@ static json_t *as_json(const cli_call *call)
     json_t *effects = json_array(), *orders = json_array(), *departures = json_array(),
            *arms = json_array();
     for (int i = 0; i < f->traits.n; i++)
-        json_array_append_new(effects, trait_object(&f->traits.list[i], f));
+        json_array_append_new(effects, trait_json(&f->traits.list[i], f));
     for (int j = 0; j < f->model.n_joints; j++) {
         const mukca_trait *o = &f->order[j];
         if (o->effect.variant.order)
@@ -103,8 +103,8 @@ static json_t *as_json(const cli_call *call)
     }
     for (int a = 0; a < f->n_arms; a++) {
         if (f->arm[a].departure.probability >= MUKCA_DEPARTS)
-            json_array_append_new(departures, departure_object(&f->arm[a].departure, f));
-        json_array_append_new(arms, arm_object(f, a));
+            json_array_append_new(departures, departure_json(&f->arm[a].departure, f));
+        json_array_append_new(arms, arm_json(f, a));
     }
     return cli_json(KEY("robot", f->model.robot), FIELD(f, n_arms),
                     KEY("samples", f->traits.n_samples), KEY("effects", effects),

@@ -90,18 +90,6 @@ mukca_status cli_write_table(cli_call *call, cli_writer *write)
     return cli_write(call, path ? path : "-", write);
 }
 
-mukca_status cli_write_offsets(cli_call *call, const char *path, const mukca_offsets *offsets,
-                               const mukca_chain *chain, const mukca_dataset *data,
-                               const char *comments)
-{
-    mukca_output output = {0};
-    if (!path) return MUKCA_OK;
-    mukca_status status = mukca_output_open(&output, path, call->common->force, &call->error);
-    if (status == MUKCA_OK)
-        status = mukca_offsets_write(output.stream, offsets, chain, data, comments, &call->error);
-    return mukca_output_finish(&output, status, &call->error);
-}
-
 mukca_status cli_write_page(cli_call *call, FILE *stream, mukca_page page)
 {
     char *command, when[32];

@@ -6,10 +6,8 @@
 #include <limits.h>
 #include <math.h>
 #include <sched.h>
-#include <stdlib.h>
 #include <string.h>
 
-#include "base/list.h"
 #include "base/number.h"
 #include "base/suggest.h"
 #include "base/text.h"
@@ -66,11 +64,13 @@ int cli_read_list(double *values, int most, const char *text)
     return n;
 }
 
-static bool append(cli_list *list, const char *item)
+/* Append one of the call's words. */
+static mukca_status append(cli_call *call, cli_list *list, const char *item)
 {
-    const char **added = mukca_list_append(&list->items, &list->n, sizeof *added);
-    if (added) *added = item;
-    return added;
+    if (!list->items) list->items = MUKCA_TAKE(&call->pool, const char *, call->argc);
+    if (!list->items) return cli_fail(call, MUKCA_MEMORY, "out of memory");
+    list->items[list->n++] = item;
+    return MUKCA_OK;
 }
 
 /* ", in m", by the argument's name in help; "": no unit. */
@@ -160,8 +160,7 @@ static mukca_status set_value(cli_call *call, const cli_option *option, const ch
     if (!*text) /* from an unset variable in a script */
         return cli_fail(call, MUKCA_USAGE, "--%s needs %s, and not an empty text", option->name,
                         option->argument);
-    if (option->kind == CLI_TEXTS || option->kind == CLI_REST)
-        return append(at, text) ? MUKCA_OK : cli_fail(call, MUKCA_MEMORY, "out of memory");
+    if (option->kind == CLI_TEXTS || option->kind == CLI_REST) return append(call, at, text);
     if (store(at, option, text)) return MUKCA_OK;
     for (int i = 0; option->kind == CLI_CHOICE && option->choices[i]; i++)
         mukca_text_put(&names, "%s %s", i ? "," : "", option->choices[i]);
@@ -283,7 +282,9 @@ static int count_cores(void)
 mukca_status cli_parse(cli_call *call, bool *help, int argc, char **argv)
 {
     *help = false;
-    call->options = calloc(1, call->command->options_size);
+    call->argc = argc;
+    call->argv = argv;
+    call->options = mukca_pool_take(&call->pool, 1, call->command->options_size);
     call->common = call->options;
     if (!call->options) return cli_fail(call, MUKCA_MEMORY, "out of memory");
     if (call->command->defaults)
@@ -300,8 +301,7 @@ mukca_status cli_parse(cli_call *call, bool *help, int argc, char **argv)
             if (!*word)
                 return cli_fail(call, MUKCA_USAGE, "an argument is empty; see `mukca help %s`",
                                 call->command->name);
-            if (!append(&call->arguments, word))
-                return cli_fail(call, MUKCA_MEMORY, "out of memory");
+            status = append(call, &call->arguments, word);
         } else if (strcmp(word, "--") == 0) {
             plain = true;
         } else if (strcmp(word, "--help") == 0) {
@@ -325,11 +325,7 @@ mukca_status cli_parse(cli_call *call, bool *help, int argc, char **argv)
 
 void cli_call_free(cli_call *call)
 {
-    for (const cli_option *o = NULL; call->options && (o = cli_next_option(call->command, o));)
-        if (o->kind == CLI_TEXTS || o->kind == CLI_REST)
-            free(((cli_list *)cli_option_member(call, o))->items);
-    free(call->arguments.items);
-    free(call->options);
+    mukca_pool_free(&call->pool);
     call->options = NULL;
     call->common = NULL;
 }

@@ -31,7 +31,7 @@ static mukca_status take_offsets(cli_call *call)
     w->analysis.offsets = call->session->model.offsets;
     if (call->common->arm.offsets || !w->analysis.diagnosis.applied.fitted) return MUKCA_OK;
     w->page.fitted = &w->analysis.chain;
-    return cli_diagnosis_offsets(call, &w->analysis);
+    return cli_diagnosis_make_offsets(call, &w->analysis);
 }
 
 static mukca_status write_page(cli_call *call, FILE *stream)
@@ -40,13 +40,6 @@ static mukca_status write_page(cli_call *call, FILE *stream)
     const report_work *w = call->work;
     return cli_write_page(call, stream,
                           o->fleet ? mukca_fleet_page(&w->fleet) : mukca_report_page(&w->page));
-}
-
-static mukca_status prepare_fleet(cli_call *call)
-{
-    report_work *w = call->work;
-    MUKCA_TRY(cli_fleet_read(call, &w->fleet));
-    return mukca_fleet_pool(&w->fleet, &call->error);
 }
 
 static mukca_status check(cli_call *call)
@@ -92,7 +85,10 @@ static mukca_status prepare_arm(cli_call *call)
 static mukca_status run(cli_call *call)
 {
     const report_options *o = call->options;
-    return o->fleet ? prepare_fleet(call) : prepare_arm(call);
+    report_work *w = call->work;
+    if (!o->fleet) return prepare_arm(call);
+    MUKCA_TRY(cli_fleet_read(call, &w->fleet));
+    return mukca_fleet_pool(&w->fleet, &call->error);
 }
 
 static mukca_status print(cli_call *call)

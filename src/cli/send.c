@@ -23,7 +23,7 @@ typedef struct {
     bool answered;
     mukca_status status;
     mukca_message_result result;
-} client;
+} send_work;
 
 /* The offsets table as text, without comments. */
 static void print_table(const mukca_message_result *m)
@@ -38,7 +38,7 @@ static void print_table(const mukca_message_result *m)
 
 /* Print the reply: its line, then the table.  With --json - standard output is JSON, and the table
  * is omitted. */
-static void take_result(client *c, const mukca_message_result *m)
+static void take_result(send_work *c, const mukca_message_result *m)
 {
     if (m->id != c->id) return;
     c->answered = true;
@@ -64,7 +64,7 @@ static void take_result(client *c, const mukca_message_result *m)
 }
 
 /* Write a status message as JSON, by default to standard output. */
-static void take_status(client *c, const mukca_message_status *m)
+static void take_status(send_work *c, const mukca_message_status *m)
 {
     cli_common *common = c->call->common;
     if (!common->json) common->json = "-";
@@ -79,7 +79,7 @@ static void take_status(client *c, const mukca_message_status *m)
 
 static void on_packet(void *context, const mukca_lcm_packet *packet)
 {
-    client *c = context;
+    send_work *c = context;
     mukca_message_status status;
     mukca_error foreign;
     if (c->answered) return;
@@ -93,7 +93,7 @@ static void on_packet(void *context, const mukca_lcm_packet *packet)
     }
 }
 
-static mukca_status send_command(client *c)
+static mukca_status send_command(send_work *c)
 {
     const cli_list *words = &c->call->arguments;
     const send_options *o = c->call->options;
@@ -134,7 +134,7 @@ static mukca_status run(cli_call *call)
 {
     const send_options *o = call->options;
     mukca_error *error = &call->error;
-    client *c = call->work;
+    send_work *c = call->work;
     mukca_lcm_channels channels = {.all = false};
     char *channel = channels.name[0];
     struct timespec t;
@@ -168,7 +168,7 @@ static mukca_status run(cli_call *call)
 
 static void release(void *work)
 {
-    client *c = work;
+    send_work *c = work;
     mukca_lcm_link_close(&c->link);
 }
 
@@ -202,6 +202,6 @@ const cli_command cli_command_send = {
     .options_size = sizeof(send_options),
     .defaults = &defaults,
     .run = run,
-    .work_size = sizeof(client),
+    .work_size = sizeof(send_work),
     .release = release,
 };

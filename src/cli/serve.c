@@ -19,11 +19,11 @@ typedef struct {
     mukca_server server;
     cli_relay relay;
     bool quiet;
-} work;
+} serve_work;
 
 static void report(void *context, const char *line)
 {
-    work *w = context;
+    serve_work *w = context;
     char text[MUKCA_RECORDER_LINE + 1];
     snprintf(text, sizeof text, "%s\n", line);
     if (!w->quiet) cli_relay_write(&w->relay, text);
@@ -49,7 +49,7 @@ static mukca_status check(cli_call *call)
 static mukca_status run(cli_call *call)
 {
     serve_options *o = call->options;
-    work *w = call->work;
+    serve_work *w = call->work;
     mukca_server *s = &w->server;
     const cli_model *model = &call->session->model;
     mukca_server_options *options = &o->server;
@@ -69,9 +69,9 @@ static mukca_status run(cli_call *call)
     return status;
 }
 
-static void release(void *context)
+static void release(void *work)
 {
-    mukca_server_close(&((work *)context)->server);
+    mukca_server_close(&((serve_work *)work)->server);
 }
 
 static const cli_option options[] = {
@@ -122,6 +122,6 @@ const cli_command cli_command_serve = {
     .check = check,
     .reads = CLI_READS_MODEL,
     .run = run,
-    .work_size = sizeof(work),
+    .work_size = sizeof(serve_work),
     .release = release,
 };

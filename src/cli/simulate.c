@@ -24,11 +24,11 @@ typedef struct {
     mukca_corrected arm;
     cli_simulated hidden; /* effects and faults */
     int n_places;         /* of the session; the held-out ones follow */
-    mukca_place places[CLI_MAX_PLACES];
+    mukca_place places[MUKCA_MAX_PLACEMENTS];
     mukca_simulate_options recording;
     mukca_simulated_motion motion;
     mukca_rows rows; /* of --at */
-} simulation;
+} simulate_work;
 
 static const simulate_options defaults = {.recording.rows = 30,
                                           .motion = {.runs = 1, .rate = 200, .speed = 1}};
@@ -43,7 +43,7 @@ static const cli_option options[] = {
         "NAME[:WHERE][@VARIANT]=VALUE, see above; repeatable, or several with commas between"),
     CLI_OPTION_AND(simulate_options, placements, "placements", CLI_INTEGER, "N",
                    "placements of the tool, chosen at random (default: 4, or those of --place)",
-                   .least = 1, .most = CLI_MAX_PLACES - 1, .excludes = LOGS),
+                   .least = 1, .most = MUKCA_MAX_PLACEMENTS - 1, .excludes = LOGS),
     CLI_OPTION_AND(simulate_options, places, "place", CLI_TEXTS, "NAME[=X,Y,Z[,ROLL,PITCH,YAW]]",
                    "name of a placement, and its pose: middle of the sockets, which lie on its x "
                    "axis, m and rad",
@@ -107,15 +107,15 @@ static bool is_log(const simulate_options *o)
 }
 
 /* All placements: those of the session, then the held-out ones. */
-static mukca_status name_places(simulation *s, const simulate_options *o, mukca_error *error)
+static mukca_status name_places(simulate_work *s, const simulate_options *o, mukca_error *error)
 {
     const int held_out = is_log(o) ? 0 : o->held_out;
     const int n = is_log(o) ? 0 : o->placements ? o->placements : o->places.n ? o->places.n : 4;
-    if (n < o->places.n || n >= CLI_MAX_PLACES || held_out > CLI_MAX_PLACES - n)
+    if (n < o->places.n || n >= MUKCA_MAX_PLACEMENTS || held_out > MUKCA_MAX_PLACEMENTS - n)
         return mukca_fail(error, MUKCA_USAGE,
                           "--placements %d: must be at most %d with --held-out, and not below the "
                           "number of --place",
-                          n, CLI_MAX_PLACES);
+                          n, MUKCA_MAX_PLACEMENTS);
     s->n_places = n;
     for (int i = 0; i < n + held_out; i++) {
         mukca_place *p = &s->places[i];
@@ -134,7 +134,7 @@ static mukca_status name_places(simulation *s, const simulate_options *o, mukca_
 }
 
 /* Gather the effects of --offsets, then those of --effect. */
-static mukca_status gather_effects(simulation *s, const simulate_options *o, mukca_error *error)
+static mukca_status gather_effects(simulate_work *s, const simulate_options *o, mukca_error *error)
 {
     cli_simulated *hidden = &s->hidden;
     const mukca_offsets *given = &s->model->offsets;
@@ -159,7 +159,7 @@ static mukca_status gather_effects(simulation *s, const simulate_options *o, muk
 }
 
 /* The true arm as an offsets table, without recording faults. */
-static void set_truth(simulation *s)
+static void set_truth(simulate_work *s)
 {
     for (int p = 0; p < s->n_places; p++)
         memcpy(s->truth.placements[p], s->places[p].name, MUKCA_NAME_SIZE);
@@ -174,7 +174,7 @@ static void set_truth(simulation *s)
 static mukca_status prepare_motion(cli_call *call)
 {
     const simulate_options *o = call->options;
-    simulation *s = call->work;
+    simulate_work *s = call->work;
     s->model = &call->session->model;
     s->motion = o->motion;
     s->motion.seed = (uint64_t)o->seed;
@@ -194,7 +194,7 @@ static mukca_status prepare_motion(cli_call *call)
 static mukca_status prepare(cli_call *call)
 {
     const simulate_options *o = call->options;
-    simulation *s = call->work;
+    simulate_work *s = call->work;
     double perturb[2] = {0, 0};
     s->model = &call->session->model;
     if (o->perturb && cli_read_list(perturb, 2, o->perturb) != 2)
@@ -228,7 +228,7 @@ static bool moves(const simulate_options *o)
 static void write_origin(cli_call *call, FILE *stream, const char *kind)
 {
     const simulate_options *o = call->options;
-    const simulation *s = call->work;
+    const simulate_work *s = call->work;
     const mukca_chain *chain = &s->model->chain;
     fprintf(stream, "# mukca %s\n# robot: %s\n# stream: raw\n# base: %s\n# tip: %s\n", kind,
             chain->robot, chain->base, chain->tip);
@@ -247,7 +247,7 @@ static void write_origin(cli_call *call, FILE *stream, const char *kind)
 static mukca_status write_data(cli_call *call, FILE *stream, const mukca_dataset *data,
                                const char *path)
 {
-    const simulation *s = call->work;
+    const simulate_work *s = call->work;
     write_origin(call, stream, s->n_places ? "session" : "pose log");
     mukca_dataset_write(stream, data, &s->model->chain, mukca_dataset_separator(path));
     return MUKCA_OK;
@@ -255,16 +255,23 @@ static mukca_status write_data(cli_call *call, FILE *stream, const mukca_dataset
 
 static mukca_status write_effects(cli_call *call, FILE *stream)
 {
-    const simulation *s = call->work;
+    const simulate_work *s = call->work;
     write_origin(call, stream, "motion: the true effects");
     cli_write_torques(stream, &s->motion);
     return MUKCA_OK;
 }
 
+static mukca_status write_truth(cli_call *call, FILE *stream)
+{
+    const simulate_work *s = call->work;
+    return mukca_offsets_write(stream, &s->truth, &s->model->chain, NULL,
+                               "the true arm of a simulation", &call->error);
+}
+
 static mukca_status write_recording(cli_call *call, FILE *stream)
 {
     const simulate_options *o = call->options;
-    const simulation *s = call->work;
+    const simulate_work *s = call->work;
     const char *path = call->common->output ? call->common->output : "-";
     if (!moves(o)) return write_data(call, stream, &call->session->data, path);
     write_origin(call, stream, "runs");
@@ -281,7 +288,7 @@ static mukca_status write_test(cli_call *call, FILE *stream)
 static mukca_status record_at(cli_call *call, mukca_dataset *data)
 {
     const simulate_options *o = call->options;
-    simulation *s = call->work;
+    simulate_work *s = call->work;
     const size_t size = (size_t)s->model->chain.n_joints * sizeof(double);
     const mukca_rows_options header = {.kind = MUKCA_EITHER, .unchecked = true};
     double *q = NULL;
@@ -308,7 +315,7 @@ static mukca_status record_at(cli_call *call, mukca_dataset *data)
 static mukca_status record(cli_call *call, mukca_dataset *data, bool held_out)
 {
     const simulate_options *o = call->options;
-    simulation *s = call->work;
+    simulate_work *s = call->work;
     if (o->at) return record_at(call, data);
     if (held_out) s->recording.seed ^= 0x686f6c646f757421u; /* different postures and noise */
     if (o->poses)
@@ -328,15 +335,14 @@ static mukca_status record(cli_call *call, mukca_dataset *data, bool held_out)
 static mukca_status run(cli_call *call)
 {
     const simulate_options *o = call->options;
-    simulation *s = call->work;
+    simulate_work *s = call->work;
     MUKCA_TRY(moves(o) ? prepare_motion(call) : prepare(call));
     if (moves(o)) return cli_write(call, o->truth, write_effects);
     s->truth.acceptance.given = s->truth.acceptance.accepted = s->truth.acceptance.converged = true;
     MUKCA_TRY(record(call, &call->session->data, false));
     MUKCA_TRY(o->test ? record(call, &call->session->test, true) : MUKCA_OK);
     MUKCA_TRY(cli_write(call, o->test, write_test));
-    return cli_write_offsets(call, o->truth, &s->truth, &s->model->chain, NULL,
-                             "the true arm of a simulation");
+    return cli_write(call, o->truth, write_truth);
 }
 
 const cli_command cli_command_simulate = {
@@ -388,5 +394,5 @@ const cli_command cli_command_simulate = {
     .reads = CLI_READS_MODEL,
     .run = run,
     .table = write_recording,
-    .work_size = sizeof(simulation),
+    .work_size = sizeof(simulate_work),
 };
