@@ -119,7 +119,6 @@ static mukca_status judge_offsets(cli_call *call, const mukca_fit_options *wante
     calibrate_work *w = call->work;
     const cli_session *s = call->session;
     mukca_cross_validation held;
-    mukca_fit_offsets(&w->offsets, &w->fit);
     MUKCA_TRY(mukca_fit_cross_validate(&held, &w->fit, &s->model.chain, &s->data, &s->test, wanted,
                                        &call->error));
     const mukca_status status =
@@ -158,7 +157,8 @@ static mukca_status run(cli_call *call)
     MUKCA_TRY(mukca_frames_start(w->nominal, &fit->chain, &s->data, o->common.free_base,
                                  o->common.free_tool, &call->error));
     w->scores = (cli_scores){.nominal_theta = w->nominal, .calibrated = true};
-    MUKCA_TRY(cli_scores_make(call, &w->scores, &fit->chain, fit->theta, NULL, "train"));
+    mukca_fit_offsets(&w->offsets, fit);
+    MUKCA_TRY(cli_scores_make(call, &w->scores, &fit->chain, &w->offsets, "train"));
     MUKCA_TRY(judge_offsets(call, &wanted));
     add_traits(call);
     return cli_write(call, o->common.output, write_offsets);

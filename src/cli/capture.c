@@ -135,18 +135,17 @@ static json_t *summary_json(const capture_work *s)
                     KEY("more_rows_help", r->session.advice.more_rows_help));
 }
 
-/* Number of placements that a calibration can use: at least two sockets with two samples each. */
-static int count_finished(const mukca_capture *c)
+/* Is there a placement that a calibration can use: two sockets or more with two samples each? */
+static bool is_usable(const mukca_capture *c)
 {
     const mukca_dataset *rows = &c->rows;
-    int finished = 0;
     for (int p = 0; p < rows->n_placements; p++) {
         int sockets = 0;
         for (int k = 0; k < rows->n_sockets; k++)
             sockets += rows->sockets[k].placement == p && mukca_capture_count(c, k) >= 2;
-        finished += sockets >= 2;
+        if (sockets >= 2) return true;
     }
-    return finished;
+    return false;
 }
 
 /* Print the command that uses this session, with the options that specify the arm. */
@@ -155,7 +154,7 @@ static void print_next(const capture_work *s)
     const char *words[MUKCA_SERVER_ARGUMENTS];
     char line[4096] = "";
     mukca_text text = MUKCA_TEXT(line);
-    if (!count_finished(&s->recorder.session.capture)) {
+    if (!is_usable(&s->recorder.session.capture)) {
         cli_say(s->call, "Next",
                 "--resume continues: no placement has two sockets with two samples yet");
         return;

@@ -169,20 +169,21 @@ void cli_print_words(FILE *stream, int indent, int column, const char *text, siz
  * for each piece of output: it clears a progress line. */
 FILE *cli_answer_stream(cli_call *call);
 
-/* printf to that stream; the second as cli_print_keyed. */
-void cli_answer(cli_call *call, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/* Standard error; NULL with -q. */
+FILE *cli_log_stream(cli_call *call);
+
+/* printf without control characters; nothing if the stream is NULL. */
+void cli_print(FILE *stream, const char *format, ...) __attribute__((format(printf, 2, 3)));
+#define cli_answer(call, ...) cli_print(cli_answer_stream(call), __VA_ARGS__)
+#define cli_log(call, ...) cli_print(cli_log_stream(call), __VA_ARGS__)
+
+/* cli_answer as cli_print_keyed. */
 void cli_say(cli_call *call, const char *key, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
 /* Receiver of notes, and a note to it; silent with -q. */
 mukca_notes cli_notes(cli_call *call);
 #define cli_note(call, ...) mukca_note_format(cli_notes(call), __VA_ARGS__)
-
-/* printf to standard error; silent with -q. */
-void cli_log(cli_call *call, const char *format, ...) __attribute__((format(printf, 2, 3)));
-
-/* Show progress on a terminal, from 2 s of run time on; `done` of `total`. */
-void cli_progress(cli_call *call, const char *what, double done, double total);
 
 double cli_elapsed(const cli_call *call);
 
@@ -194,7 +195,8 @@ const char *cli_plain(FILE *stream);
 void cli_catch_interrupts(void);
 bool cli_interrupted(void);
 
-/* Callbacks for long functions of the library; the context of the second is the call. */
+/* Callbacks for long functions of the library.  The second shows progress on a terminal, from 2 s
+ * of run time on, and returns false after an interrupt. */
 bool cli_stop(void *context);
 bool cli_show_progress(void *call, double fraction, const char *doing);
 

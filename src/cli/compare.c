@@ -9,7 +9,6 @@
 #include "cli/cli.h"
 
 typedef struct {
-    cli_model model; /* the one that was loaded last */
     mukca_corrected arm[2];
     mukca_acceptance verdict[2]; /* not `given`: no table */
     mukca_comparison comparison;
@@ -26,7 +25,7 @@ static bool is_yaml(const char *path)
 static mukca_status load(cli_call *call, int side)
 {
     compare_work *w = call->work;
-    cli_model *m = &w->model;
+    cli_model *m = &call->session->model;
     mukca_corrected *arm = &w->arm[side];
     cli_arm given = call->common->arm;
     const char *path = call->arguments.items[side];

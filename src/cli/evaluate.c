@@ -112,8 +112,7 @@ static mukca_status run(cli_call *call)
     MUKCA_TRY(cli_check_moving(call, &s->test, gate));
     w->scores.by_log = true;
     w->scores.calibrated = call->common->arm.offsets != NULL;
-    return cli_scores_make(call, &w->scores, &model->chain, model->offsets.theta, &model->offsets,
-                           "data");
+    return cli_scores_make(call, &w->scores, &model->chain, &model->offsets, "data");
 }
 
 const cli_command cli_command_evaluate = {

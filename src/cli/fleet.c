@@ -23,8 +23,8 @@ static void release(void *fleet)
 mukca_status cli_fleet_read(cli_call *call, mukca_fleet *f)
 {
     for (int i = 0; i < call->arguments.n; i++) {
-        if (cli_interrupted()) return cli_fail(call, MUKCA_INTERRUPTED, "interrupted");
-        cli_progress(call, "reading summaries", i, call->arguments.n);
+        if (!cli_show_progress(call, (double)i / call->arguments.n, "reading summaries"))
+            return cli_fail(call, MUKCA_INTERRUPTED, "interrupted");
         MUKCA_TRY(mukca_summary_read(f, call->arguments.items[i], &call->error));
     }
     return mukca_fleet_gather(f, &call->error);

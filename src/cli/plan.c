@@ -52,7 +52,7 @@ static const cli_option options[] = {
 
 static void progress(void *context, double fraction)
 {
-    cli_progress(context, "trying postures", fraction, 1);
+    cli_show_progress(context, fraction, "trying postures");
 }
 
 static mukca_status check(cli_call *call)
@@ -67,22 +67,22 @@ static mukca_status check(cli_call *call)
     return MUKCA_OK;
 }
 
-static mukca_status add_place(plan_work *w, const char *text, int number)
+static mukca_status add_place(plan_work *r, const char *text, int number)
 {
-    mukca_error *error = &w->call->error;
-    const double distance = w->call->common->distance;
+    mukca_error *error = &r->call->error;
+    const double distance = r->call->common->distance;
     mukca_place at = {.placed = false};
     MUKCA_TRY(cli_read_place(&at, text, error));
     if (!at.placed) return mukca_fail(error, MUKCA_USAGE, "--place %s: needs NAME=X,Y,Z", at.name);
-    for (int k = 0; k < w->n_sockets; k++)
-        if (strcmp(w->sockets[k].placement, at.name) == 0)
+    for (int k = 0; k < r->n_sockets; k++)
+        if (strcmp(r->sockets[k].placement, at.name) == 0)
             return mukca_fail(error, MUKCA_USAGE,
                               "--place %s: there is such a placement already; choose another name",
                               at.name);
-    if (w->n_sockets + 2 > MUKCA_PLAN_MAX_SOCKETS)
+    if (r->n_sockets + 2 > MUKCA_PLAN_MAX_SOCKETS)
         return mukca_fail(error, MUKCA_USAGE, "more than %d sockets", MUKCA_PLAN_MAX_SOCKETS);
     for (int side = 0; side < 2; side++) {
-        mukca_plan_socket *s = &w->sockets[w->n_sockets++];
+        mukca_plan_socket *s = &r->sockets[r->n_sockets++];
         s->place = number;
         snprintf(s->label, sizeof s->label, "%d", side);
         snprintf(s->placement, sizeof s->placement, "%s", at.name);
@@ -93,75 +93,75 @@ static mukca_status add_place(plan_work *w, const char *text, int number)
 }
 
 /* Sockets of the data, then two for each --place. */
-static mukca_status gather_sockets(plan_work *w)
+static mukca_status gather_sockets(plan_work *r)
 {
-    const plan_options *o = w->call->options;
-    if (w->data->n_rows > 0) {
-        w->n_sockets =
-            mukca_plan_sockets(w->sockets, MUKCA_PLAN_MAX_SOCKETS, &w->model->geometry, w->data);
-        if (w->n_sockets == 0)
-            return cli_fail(w->call, MUKCA_INPUT,
+    const plan_options *o = r->call->options;
+    if (r->data->n_rows > 0) {
+        r->n_sockets =
+            mukca_plan_sockets(r->sockets, MUKCA_PLAN_MAX_SOCKETS, &r->model->geometry, r->data);
+        if (r->n_sockets == 0)
+            return cli_fail(r->call, MUKCA_INPUT,
                             "these DATA have no sockets; plan is for socket data");
     }
     for (int i = 0; i < o->places.n; i++)
-        MUKCA_TRY(add_place(w, o->places.items[i], w->data->n_placements + i));
+        MUKCA_TRY(add_place(r, o->places.items[i], r->data->n_placements + i));
     return MUKCA_OK;
 }
 
 /* The alternatives of a finding, and the diagnosed geometry for the plan. */
-static mukca_status find_pair(plan_work *w)
+static mukca_status find_pair(plan_work *r)
 {
-    const mukca_chain *chain = &w->model->chain;
-    const mukca_diagnose_options diagnose = {.threads = w->call->common->threads,
+    const mukca_chain *chain = &r->model->chain;
+    const mukca_diagnose_options diagnose = {.threads = r->call->common->threads,
                                              .progress = cli_show_progress,
-                                             .progress_context = w->call};
-    const int finding = ((const plan_options *)w->call->options)->split - 1;
+                                             .progress_context = r->call};
+    const int finding = ((const plan_options *)r->call->options)->split - 1;
     mukca_next_poses next;
-    MUKCA_TRY(mukca_diagnose(&w->diagnosis, chain, w->data, &diagnose, &w->call->error));
-    if (!mukca_next_poses_pair(&next, &w->options, w->tied, &w->diagnosis, finding))
-        return cli_fail(w->call, MUKCA_NEGATIVE,
+    MUKCA_TRY(mukca_diagnose(&r->diagnosis, chain, r->data, &diagnose, &r->call->error));
+    if (!mukca_next_poses_pair(&next, &r->options, r->tied, &r->diagnosis, finding))
+        return cli_fail(r->call, MUKCA_NEGATIVE,
                         "%s (%d finding%s in all); without --for, postures are chosen for accuracy",
-                        finding < w->diagnosis.n_findings
+                        finding < r->diagnosis.n_findings
                             ? "that finding has no two alternatives that postures could separate"
                             : "there is no such finding",
-                        w->diagnosis.n_findings, w->diagnosis.n_findings == 1 ? "" : "s");
-    mukca_geometry_theta(w->theta, chain, &w->diagnosis.geometry);
-    mukca_geometry_set(&w->model->geometry, chain, w->theta);
+                        r->diagnosis.n_findings, r->diagnosis.n_findings == 1 ? "" : "s");
+    mukca_geometry_theta(r->theta, chain, &r->diagnosis.geometry);
+    mukca_geometry_set(&r->model->geometry, chain, r->theta);
     return MUKCA_OK;
 }
 
 static mukca_status run(cli_call *call)
 {
     const plan_options *o = call->options;
-    plan_work *w = call->work;
-    w->call = call;
-    w->model = &call->session->model;
-    w->data = &call->session->data;
-    memcpy(w->theta, w->model->offsets.theta, sizeof w->theta);
-    w->options = (mukca_plan_options){.rows = o->rows,
+    plan_work *r = call->work;
+    r->call = call;
+    r->model = &call->session->model;
+    r->data = &call->session->data;
+    memcpy(r->theta, r->model->offsets.theta, sizeof r->theta);
+    r->options = (mukca_plan_options){.rows = o->rows,
                                       .seed = (uint64_t)o->seed,
                                       .noise = o->noise,
-                                      .distance_sigma = w->call->common->distance_sd,
+                                      .distance_sigma = r->call->common->distance_sd,
                                       .tilt = o->tilt >= 180 ? 4 : o->tilt * M_PI / 180,
                                       .stop = cli_stop,
                                       .progress = progress,
-                                      .context = w->call};
+                                      .context = r->call};
     mukca_evaluation evaluation;
-    mukca_status status = cli_check_moving(call, w->data, false);
-    if (status == MUKCA_OK && w->data->n_sockets > 0)
-        status = cli_check_scatter(&evaluation, call, call->arguments.items[0], w->model, w->data);
-    if (status == MUKCA_OK && o->split) status = find_pair(w);
-    if (status == MUKCA_OK) status = gather_sockets(w);
+    mukca_status status = cli_check_moving(call, r->data, false);
+    if (status == MUKCA_OK && r->data->n_sockets > 0)
+        status = cli_check_scatter(&evaluation, call, call->arguments.items[0], r->model, r->data);
+    if (status == MUKCA_OK && o->split) status = find_pair(r);
+    if (status == MUKCA_OK) status = gather_sockets(r);
     if (status != MUKCA_OK) return status;
-    const mukca_plan_task task = {.chain = &w->model->chain,
-                                  .theta = w->theta,
-                                  .data = w->data->n_rows > 0 ? w->data : NULL,
-                                  .sockets = w->sockets,
-                                  .n_sockets = w->n_sockets};
-    status = mukca_plan_run(&w->plan, &task, &w->options, &w->call->error);
-    w->unloaded = w->plan.evidence_after;
-    if (status == MUKCA_OK && w->options.n_effects > 0)
-        status = mukca_plan_payload(&w->payload, &w->plan, &task, &w->options, &w->call->error);
+    const mukca_plan_task task = {.chain = &r->model->chain,
+                                  .theta = r->theta,
+                                  .data = r->data->n_rows > 0 ? r->data : NULL,
+                                  .sockets = r->sockets,
+                                  .n_sockets = r->n_sockets};
+    status = mukca_plan_run(&r->plan, &task, &r->options, &r->call->error);
+    r->unloaded = r->plan.evidence_after;
+    if (status == MUKCA_OK && r->options.n_effects > 0)
+        status = mukca_plan_payload(&r->payload, &r->plan, &task, &r->options, &r->call->error);
     return status;
 }
 
@@ -170,8 +170,8 @@ static mukca_status run(cli_call *call)
 /* The postures as rows of a session file, to be recorded. */
 static mukca_status write_rows(cli_call *call, FILE *out)
 {
-    const plan_work *w = call->work;
-    const mukca_chain *chain = &w->model->chain;
+    const plan_work *r = call->work;
+    const mukca_chain *chain = &r->model->chain;
     fprintf(out,
             "# postures proposed by mukca plan for %s, joints in rad; guide the arm there and\n"
             "# record the angles with the ball seated in its socket\n",
@@ -179,12 +179,12 @@ static mukca_status write_rows(cli_call *call, FILE *out)
     fputs("placement\tsocket", out);
     for (int j = 0; j < chain->n_joints; j++)
         fprintf(out, "\t%s", mukca_chain_joint_name(chain, j));
-    fputs(w->payload > 0 ? "\tpayload_kg\n" : "\n", out);
-    for (int i = 0; i < w->plan.n_rows; i++) {
-        const mukca_plan_row *row = &w->plan.rows[i];
-        fprintf(out, "%s\t%s", w->sockets[row->socket].placement, w->sockets[row->socket].label);
+    fputs(r->payload > 0 ? "\tpayload_kg\n" : "\n", out);
+    for (int i = 0; i < r->plan.n_rows; i++) {
+        const mukca_plan_row *row = &r->plan.rows[i];
+        fprintf(out, "%s\t%s", r->sockets[row->socket].placement, r->sockets[row->socket].label);
         for (int j = 0; j < chain->n_joints; j++) fprintf(out, "\t%.6f", row->q[j]);
-        if (w->payload > 0) fprintf(out, "\t%g", w->payload);
+        if (r->payload > 0) fprintf(out, "\t%g", r->payload);
         fputc('\n', out);
     }
     return MUKCA_OK;
@@ -192,48 +192,48 @@ static mukca_status write_rows(cli_call *call, FILE *out)
 
 static json_t *as_json(const cli_call *call)
 {
-    const plan_work *w = call->work;
-    const mukca_chain *chain = &w->model->chain;
+    const plan_work *r = call->work;
+    const mukca_chain *chain = &r->model->chain;
     json_t *rows = json_array();
-    for (int i = 0; i < w->plan.n_rows; i++) {
-        const mukca_plan_row *row = &w->plan.rows[i];
+    for (int i = 0; i < r->plan.n_rows; i++) {
+        const mukca_plan_row *row = &r->plan.rows[i];
         json_t *joints = json_object();
         for (int j = 0; j < chain->n_joints; j++)
             json_object_set_new(joints, mukca_chain_joint_name(chain, j), json_real(row->q[j]));
-        cli_json_append(rows, KEY("placement", w->sockets[row->socket].placement),
-                        KEY("socket", w->sockets[row->socket].label), KEY("joints", joints));
+        cli_json_append(rows, KEY("placement", r->sockets[row->socket].placement),
+                        KEY("socket", r->sockets[row->socket].label), KEY("joints", joints));
     }
-    const mukca_plan *p = &w->plan;
+    const mukca_plan *p = &r->plan;
     return cli_json(
         KEY("recorded_rows", p->n_recorded), KEY("poses", rows),
         KEY("expected_error_m",
             cli_json(KEY("before", p->expected_before), KEY("after", p->expected_after))),
         KEY("log_bayes_factor",
             cli_json(KEY("before", p->evidence_before), KEY("after", p->evidence_after))),
-        FIELD(p, rows_to_name), KEY("payload_kg", w->payload), KEY("elapsed_s", cli_elapsed(call)));
+        FIELD(p, rows_to_name), KEY("payload_kg", r->payload), KEY("elapsed_s", cli_elapsed(call)));
 }
 
 static mukca_status print(cli_call *call)
 {
-    const plan_work *w = call->work;
+    const plan_work *r = call->work;
     const plan_options *o = call->options;
-    const mukca_plan *p = &w->plan;
-    cli_answer(call, "%d postures in %d sockets; %d samples recorded\n", p->n_rows, w->n_sockets,
+    const mukca_plan *p = &r->plan;
+    cli_answer(call, "%d postures in %d sockets; %d samples recorded\n", p->n_rows, r->n_sockets,
                p->n_recorded);
     if (o->split) {
-        const mukca_chain *chain = &w->model->chain;
-        const mukca_effect *e = w->tied;
+        const mukca_chain *chain = &r->model->chain;
+        const mukca_effect *e = r->tied;
         cli_say(
             call, NULL,
             "Separating %s from %s: log Bayes factor %.1f now, %.1f with the plan (%g decides)",
             mukca_wording_effect(MUKCA_WORDS, e->kind, mukca_chain_joint_name(chain, e->joint)),
             mukca_wording_effect(MUKCA_WORDS, e[1].kind, mukca_chain_joint_name(chain, e[1].joint)),
             p->evidence_before, p->evidence_after, MUKCA_PLAN_NAME);
-        if (w->payload > 0)
+        if (r->payload > 0)
             cli_say(call, NULL,
                     "These postures are for a payload of %g kg at the tip; as many without it "
                     "reach %.1f",
-                    w->payload, w->unloaded);
+                    r->payload, r->unloaded);
         if (p->evidence_after < MUKCA_PLAN_NAME)
             cli_say(call, NULL, "Not enough: try another placement (--place)%s",
                     p->rows_to_name > 0 ? ", or more --rows" : "");
@@ -255,9 +255,9 @@ static mukca_status print(cli_call *call)
 
 static void release(void *work)
 {
-    plan_work *w = work;
-    mukca_plan_free(&w->plan);
-    mukca_diagnosis_free(&w->diagnosis);
+    plan_work *r = work;
+    mukca_plan_free(&r->plan);
+    mukca_diagnosis_free(&r->diagnosis);
 }
 
 const cli_command cli_command_plan = {

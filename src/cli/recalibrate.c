@@ -29,13 +29,13 @@ typedef struct {
 } recalibrate_work;
 
 /* Note the findings in the first rows, and end the arm at the link that the poses refer to. */
-static void use_check(cli_call *call, recalibrate_work *w, const mukca_chain *chain)
+static void use_check(cli_call *call, recalibrate_work *r, const mukca_chain *chain)
 {
-    const mukca_pose_check *c = &w->check;
-    w->arm = *chain;
-    w->arm.n_elements = c->position_element + 1;
+    const mukca_pose_check *c = &r->check;
+    r->arm = *chain;
+    r->arm.n_elements = c->position_element + 1;
     const char *link = chain->element[c->position_element].child;
-    snprintf(w->arm.tip, sizeof w->arm.tip, "%s", link);
+    snprintf(r->arm.tip, sizeof r->arm.tip, "%s", link);
     if (c->position_element != chain->n_elements - 1)
         cli_note(call, "the poses are those of link '%s', not of the tip '%s'", link, chain->tip);
     if (c->rotation_element != c->position_element)
@@ -57,97 +57,97 @@ static void turn_orientations(mukca_dataset *log, const double turn[9])
 }
 
 /* Open the logs, and determine what they measure. */
-static mukca_status open_logs(cli_call *call, recalibrate_work *w)
+static mukca_status open_logs(cli_call *call, recalibrate_work *r)
 {
     cli_session *in = call->session;
     const cli_common *c = call->common;
     const mukca_chain *chain = &in->model.chain;
-    w->log = &in->data;
-    w->test_log = &in->test;
-    MUKCA_TRY(mukca_pose_log_prepare(w->log, &call->error));
-    if (w->tested) MUKCA_TRY(mukca_pose_log_prepare(w->test_log, &call->error));
+    r->log = &in->data;
+    r->test_log = &in->test;
+    MUKCA_TRY(mukca_pose_log_prepare(r->log, &call->error));
+    if (r->tested) MUKCA_TRY(mukca_pose_log_prepare(r->test_log, &call->error));
     MUKCA_TRY(
-        mukca_pose_check_run(&w->check, chain, w->log, c->free_base || c->free_tool, &call->error));
-    use_check(call, w, chain);
-    if (w->check.rotation_element != w->check.position_element) {
-        turn_orientations(w->log, w->check.turn);
-        turn_orientations(w->test_log, w->check.turn);
+        mukca_pose_check_run(&r->check, chain, r->log, c->free_base || c->free_tool, &call->error));
+    use_check(call, r, chain);
+    if (r->check.rotation_element != r->check.position_element) {
+        turn_orientations(r->log, r->check.turn);
+        turn_orientations(r->test_log, r->check.turn);
     }
-    for (int i = 0; i < w->log->n_rows; i++) w->n_oriented += mukca_pose_oriented(w->log, i);
+    for (int i = 0; i < r->log->n_rows; i++) r->n_oriented += mukca_pose_oriented(r->log, i);
     return MUKCA_OK;
 }
 
 /* Fit, and the errors of all stages on test data. */
-static mukca_status fit_log(cli_call *call, recalibrate_work *w)
+static mukca_status fit_log(cli_call *call, recalibrate_work *r)
 {
     const recalibrate_options *o = call->options;
     const mukca_fit_options wanted = {.free_base = o->common.free_base,
                                       .free_tool = o->common.free_tool,
                                       .limits = {.stop = cli_stop}};
-    mukca_recalibration *fit = w->fit;
-    MUKCA_TRY(mukca_recalibrate(fit, &w->arm, w->log, &wanted, o->robust, &call->error));
-    if (!w->tested) return MUKCA_OK;
-    mukca_pose_log_shift(w->test_log, fit->lag);
+    mukca_recalibration *fit = r->fit;
+    MUKCA_TRY(mukca_recalibrate(fit, &r->arm, r->log, &wanted, o->robust, &call->error));
+    if (!r->tested) return MUKCA_OK;
+    mukca_pose_log_shift(r->test_log, fit->lag);
     for (int k = 0; k < MUKCA_STAGES; k++) {
         if (k == MUKCA_WITH_ANGLES && !fit->has_angles) continue;
-        MUKCA_TRY(mukca_pose_errors_find(&w->test[k], &fit->stage[k], w->test_log, &call->error));
+        MUKCA_TRY(mukca_pose_errors_find(&r->test[k], &fit->stage[k], r->test_log, &call->error));
     }
     return MUKCA_OK;
 }
 
 /* The table of the fit, judged as that of calibrate; elements after the link of the poses stay
  * nominal. */
-static mukca_status judge_offsets(cli_call *call, recalibrate_work *w)
+static mukca_status judge_offsets(cli_call *call, recalibrate_work *r)
 {
-    const mukca_fit *all = &w->fit->all;
+    const mukca_fit *all = &r->fit->all;
     const mukca_chain *chain = &call->session->model.chain;
     const int n = MUKCA_PARAMETERS * all->chain.n_elements;
     const recalibrate_options *o = call->options;
-    mukca_dataset kept = {0}, *log = w->log;
+    mukca_dataset kept = {0}, *log = r->log;
     mukca_cross_validation held = {0};
     double nominal[MUKCA_MAX_THETA];
     mukca_status status = MUKCA_OK;
-    mukca_fit_offsets(&w->offsets, all);
-    if (o->robust && w->fit->trimmed) /* the samples that it was fitted to */
-        status = mukca_pose_log_trim(&kept, &w->fit->stage[MUKCA_WITH_ALL],
-                                     &w->fit->errors[MUKCA_WITH_ALL], w->log, &call->error);
+    mukca_fit_offsets(&r->offsets, all);
+    if (o->robust && r->fit->trimmed) /* the samples that it was fitted to */
+        status = mukca_pose_log_trim(&kept, &r->fit->stage[MUKCA_WITH_ALL],
+                                     &r->fit->errors[MUKCA_WITH_ALL], r->log, &call->error);
     if (kept.n_rows) log = &kept;
     if (status == MUKCA_OK)
-        status = mukca_fit_cross_validate(&held, all, &w->arm, log, w->test_log, &w->fit->options,
+        status = mukca_fit_cross_validate(&held, all, &r->arm, log, r->test_log, &r->fit->options,
                                           &call->error);
     if (status == MUKCA_OK)
-        status = mukca_accept_fit(&w->offsets, all, &held, log, &w->fit->options, &call->error);
+        status = mukca_accept_fit(&r->offsets, all, &held, log, &r->fit->options, &call->error);
     mukca_cross_validation_free(&held);
     mukca_dataset_free(&kept);
     if (status != MUKCA_OK) return status;
-    w->chain = chain->n_elements > all->chain.n_elements ? chain : &all->chain;
-    mukca_chain_theta(nominal, w->chain);
-    for (int i = n; i < MUKCA_PARAMETERS * w->chain->n_elements; i++)
-        w->offsets.theta[i] = nominal[i];
+    r->chain = chain->n_elements > all->chain.n_elements ? chain : &all->chain;
+    mukca_chain_theta(nominal, r->chain);
+    for (int i = n; i < MUKCA_PARAMETERS * r->chain->n_elements; i++)
+        r->offsets.theta[i] = nominal[i];
     return status;
 }
 
 static mukca_status write_offsets(cli_call *call, FILE *stream)
 {
-    const recalibrate_work *w = call->work;
-    return mukca_offsets_write(stream, &w->offsets, w->chain, w->log, "method: recalibrate (poses)",
+    const recalibrate_work *r = call->work;
+    return mukca_offsets_write(stream, &r->offsets, r->chain, r->log, "method: recalibrate (poses)",
                                &call->error);
 }
 
 static mukca_status run(cli_call *call)
 {
-    recalibrate_work *w = call->work;
+    recalibrate_work *r = call->work;
     const cli_common *c = call->common;
-    w->tested = c->test.n > 0;
-    w->fit = MUKCA_TAKE(&call->pool, mukca_recalibration, 1);
-    if (!w->fit) return cli_fail(call, MUKCA_MEMORY, "out of memory");
-    mukca_status status = open_logs(call, w);
-    if (status == MUKCA_OK) status = fit_log(call, w);
-    const bool misfit = status == MUKCA_INPUT && w->log->n_rows;
-    if (status == MUKCA_OK) status = judge_offsets(call, w);
-    if (misfit || (status == MUKCA_OK && !(w->fit->calibrated && w->offsets.acceptance.accepted)))
-        cli_print_mismatch(call, w->log, c->free_base, c->free_tool);
-    if (status != MUKCA_OK || !w->fit->calibrated) return status;
+    r->tested = c->test.n > 0;
+    r->fit = MUKCA_TAKE(&call->pool, mukca_recalibration, 1);
+    if (!r->fit) return cli_fail(call, MUKCA_MEMORY, "out of memory");
+    mukca_status status = open_logs(call, r);
+    if (status == MUKCA_OK) status = fit_log(call, r);
+    const bool misfit = status == MUKCA_INPUT && r->log->n_rows;
+    if (status == MUKCA_OK) status = judge_offsets(call, r);
+    if (misfit || (status == MUKCA_OK && !(r->fit->calibrated && r->offsets.acceptance.accepted)))
+        cli_print_mismatch(call, r->log, c->free_base, c->free_tool);
+    if (status != MUKCA_OK || !r->fit->calibrated) return status;
     return cli_write(call, c->output, write_offsets);
 }
 
@@ -159,20 +159,20 @@ static const char *const stage_key[MUKCA_STAGES] = {"before", "angles", "both", 
 
 /* True if joint j never moves in the log: a range below 1 mrad (or mm) is noise of an encoder at
  * rest. */
-static bool never_moved(const recalibrate_work *w, int j)
+static bool never_moved(const recalibrate_work *r, int j)
 {
     double low = HUGE_VAL, high = -HUGE_VAL;
-    for (int i = 0; i < w->log->n_rows; i++) {
-        const double q = w->log->q[i * w->log->n_joints + j];
+    for (int i = 0; i < r->log->n_rows; i++) {
+        const double q = r->log->q[i * r->log->n_joints + j];
         low = fmin(low, q), high = fmax(high, q);
     }
     return high - low < 1e-3;
 }
 
 /* Unit of the lag. */
-static bool is_timed(const recalibrate_work *w)
+static bool is_timed(const recalibrate_work *r)
 {
-    return w->log->time && isfinite(w->log->time[0]);
+    return r->log->time && isfinite(r->log->time[0]);
 }
 
 static void print_moments(cli_call *call, const mukca_moments *m)
@@ -197,46 +197,46 @@ static void print_errors(cli_call *call, const char *title, const mukca_pose_err
     }
 }
 
-static void print_findings(cli_call *call, const recalibrate_work *w, const mukca_acceptance *a)
+static void print_findings(cli_call *call, const recalibrate_work *r, const mukca_acceptance *a)
 {
-    const mukca_recalibration *f = w->fit;
-    cli_answer(call, "%s: %d measured poses\n", w->arm.robot, w->log->n_rows);
-    cli_print_acceptance(cli_answer_stream(call), a, &w->arm);
+    const mukca_recalibration *f = r->fit;
+    cli_answer(call, "%s: %d measured poses\n", r->arm.robot, r->log->n_rows);
+    cli_print_acceptance(cli_answer_stream(call), a, &r->arm);
     cli_say(call, "Result",
             "the poses contain a calibration: median position error %.4f mm nominal, %.4f mm after "
             "the fit",
             1e3 * f->position.nominal, 1e3 * f->position.left);
-    for (int j = 0; j < w->arm.n_joints; j++)
-        if (never_moved(w, j))
+    for (int j = 0; j < r->arm.n_joints; j++)
+        if (never_moved(r, j))
             cli_say(call, NULL,
                     "joint '%s' never moved: its zero offset is not identifiable; it is "
                     "indistinguishable from the links before and after it",
-                    mukca_chain_joint_name(&w->arm, j));
+                    mukca_chain_joint_name(&r->arm, j));
     if (f->lag != 0)
         cli_say(call, NULL,
                 "Lag: the joint angles are %.4g %s older than the poses (%.0f standard errors); "
                 "corrected",
-                is_timed(w) ? 1e3 * f->lag : f->lag, is_timed(w) ? "ms" : "rows", f->lag_score);
+                is_timed(r) ? 1e3 * f->lag : f->lag, is_timed(r) ? "ms" : "rows", f->lag_score);
 }
 
 static mukca_status print(cli_call *call)
 {
-    const recalibrate_work *w = call->work;
-    const mukca_acceptance *a = &w->offsets.acceptance;
+    const recalibrate_work *r = call->work;
+    const mukca_acceptance *a = &r->offsets.acceptance;
     const char *output = call->common->output;
-    if (!w->fit->calibrated)
+    if (!r->fit->calibrated)
         return cli_fail(
             call, MUKCA_UNIDENTIFIABLE,
             "no calibration in these poses: their median error is %.4f mm with the "
             "nominal model, %.4f mm after a fit, no gain beyond their noise; no offsets "
             "table is written; check that angles and poses are of the same samples, use "
             "another tracker, or calibrate from sockets",
-            1e3 * w->fit->position.nominal, 1e3 * w->fit->position.left);
-    print_findings(call, w, a);
-    print_errors(call, "Training data", w->fit->errors, w->fit->has_angles);
-    if (w->tested) print_errors(call, "Test data", w->test, w->fit->has_angles);
-    cli_say(call, "Offsets", "%d of %d combinations identified", w->fit->all.identification.rank,
-            w->fit->all.parameters.n);
+            1e3 * r->fit->position.nominal, 1e3 * r->fit->position.left);
+    print_findings(call, r, a);
+    print_errors(call, "Training data", r->fit->errors, r->fit->has_angles);
+    if (r->tested) print_errors(call, "Test data", r->test, r->fit->has_angles);
+    cli_say(call, "Offsets", "%d of %d combinations identified", r->fit->all.identification.rank,
+            r->fit->all.parameters.n);
     if (output)
         cli_say(call, "Written", "%s%s", output,
                 a->accepted ? "" : " (other commands refuse this table)");
@@ -278,18 +278,18 @@ static json_t *errors_json(const mukca_pose_errors *e, bool has_angles)
 }
 
 /* Joint zeros and link offsets, with standard errors. */
-static json_t *unknowns_json(const recalibrate_work *w)
+static json_t *unknowns_json(const recalibrate_work *r)
 {
-    const mukca_fit *fit = &w->fit->lengths;
+    const mukca_fit *fit = &r->fit->lengths;
     json_t *array = json_array();
     for (int i = 0; i < fit->parameters.n; i++) {
         mukca_unknown u;
         const int at = fit->parameters.index[i];
-        mukca_split_arm_name(&u, &w->fit->split, &w->arm, fit, i);
-        const mukca_element *e = u.element < 0 ? NULL : &w->arm.element[u.element];
-        const bool still = e && u.angle && e->joint >= 0 && never_moved(w, e->joint);
+        mukca_split_arm_name(&u, &r->fit->split, &r->arm, fit, i);
+        const mukca_element *e = u.element < 0 ? NULL : &r->arm.element[u.element];
+        const bool still = e && u.angle && e->joint >= 0 && never_moved(r, e->joint);
         cli_json_append(array, KEY("name", u.text), KEY("joint", e ? e->name : NULL),
-                        KEY("value", u.sign * (fit->theta[at] - w->fit->start[at])),
+                        KEY("value", u.sign * (fit->theta[at] - r->fit->start[at])),
                         KEY("unit", u.angle ? "rad" : "m"),
                         KEY("sigma", fit->identification.sigma[i]),
                         KEY("identifiable", (bool)(fit->identification.identifiable[i] && !still)));
@@ -310,24 +310,24 @@ static json_t *frame_json(const mukca_fit *fit, bool base)
 
 static json_t *as_json(const cli_call *call)
 {
-    const recalibrate_work *w = call->work;
+    const recalibrate_work *r = call->work;
     const mukca_chain *chain = &call->session->model.chain;
-    const mukca_recalibration *f = w->fit;
+    const mukca_recalibration *f = r->fit;
     json_t *model = cli_json(
         KEY("train", errors_json(f->errors, f->has_angles)),
-        KEY("test", w->tested ? errors_json(w->test, f->has_angles) : NULL),
+        KEY("test", r->tested ? errors_json(r->test, f->has_angles) : NULL),
         KEY("unknowns", f->lengths.parameters.n), KEY("rank", f->lengths.identification.rank),
-        KEY("offsets", unknowns_json(w)), KEY("base", frame_json(&f->all, true)),
+        KEY("offsets", unknowns_json(r)), KEY("base", frame_json(&f->all, true)),
         KEY("tool", frame_json(&f->all, false)), KEY("passes", f->all.outcome.evaluations));
     return cli_json(
         KEY("verdict", f->calibrated ? "calibrated" : "nominal"),
         KEY("frame",
-            cli_json(KEY("position_link", w->arm.tip),
-                     KEY("rotation_link", chain->element[w->check.rotation_element].child))),
-        KEY("rows", w->log->n_rows), KEY("orientations", w->n_oriented),
+            cli_json(KEY("position_link", r->arm.tip),
+                     KEY("rotation_link", chain->element[r->check.rotation_element].child))),
+        KEY("rows", r->log->n_rows), KEY("orientations", r->n_oriented),
         KEY("lag",
             cli_json(KEY("found", (bool)(f->lag != 0)), KEY("value", f->lag),
-                     KEY("unit", is_timed(w) ? "s" : "row"), KEY("standard_errors", f->lag_score))),
+                     KEY("unit", is_timed(r) ? "s" : "row"), KEY("standard_errors", f->lag_score))),
         KEY("oracle", cli_json(FIELD(f, tail), KEY("position_nominal_m", f->position.nominal),
                                KEY("position_left_m", f->position.left),
                                KEY("position_systematic_m", f->position.systematic),
@@ -336,8 +336,8 @@ static json_t *as_json(const cli_call *call)
                                KEY("rotation_systematic_rad", f->rotation.systematic),
                                KEY("without_outliers", f->trimmed))),
         KEY("models", json_pack("[o]", model)),
-        KEY("parameters", cli_json_offsets(&w->offsets, w->chain)),
-        KEY("acceptance", cli_json_acceptance(&w->offsets.acceptance)),
+        KEY("parameters", cli_json_offsets(&r->offsets, r->chain)),
+        KEY("acceptance", cli_json_acceptance(&r->offsets.acceptance)),
         KEY("elapsed_s", cli_elapsed(call)));
 }
 
