@@ -18,13 +18,14 @@ static const cli_option options[] = {
                "keep these nominal (same syntax)"),
     CLI_OPTION(calibrate_options, regularise_tip, "regularise-tip", CLI_FLAG, NULL,
                "regularise the last fixed joint, too"),
-    CLI_RANGE_OPTION(
-        calibrate_options, lambda, "lambda", CLI_NUMBER, "L", 0, INFINITY,
-        "weight of the regularisation towards the nominal model, per placement (default: 1e-4)"),
-    CLI_CHOICE_OPTION(calibrate_options, solver, "solver", "SOLVER", mukca_solver_name,
-                      "minimiser (default: slsqp)"),
-    CLI_CHOICE_OPTION(calibrate_options, gradient, "gradient", "GRADIENT", cli_gradients,
-                      "central differences (default), or analytic"),
+    CLI_OPTION(
+        calibrate_options, lambda, "lambda", CLI_NUMBER, "L",
+        "weight of the regularisation towards the nominal model, per placement (default: 1e-4)",
+        .most = INFINITY),
+    CLI_OPTION(calibrate_options, solver, "solver", CLI_CHOICE, "SOLVER",
+               "minimiser (default: slsqp)", .choices = mukca_solver_name),
+    CLI_OPTION(calibrate_options, gradient, "gradient", CLI_CHOICE, "GRADIENT",
+               "central differences (default), or analytic", .choices = cli_gradients),
     {.name = NULL}};
 
 static mukca_fit_options fit_options(const calibrate_options *o)

@@ -217,26 +217,25 @@ static mukca_status check(cli_call *call)
 {
     const capture_options *o = call->options;
     const cli_common *c = call->common;
-    mukca_error *error = &call->error;
     capture_work *s = call->work;
     s->call = call;
     s->options = o;
     s->keys = find_terminal(o->live.recorder.lines);
     if (!c->output || strcmp(c->output, "-") == 0)
-        return mukca_fail(error, MUKCA_USAGE, "-o FILE is needed: the session to record");
+        return cli_fail(call, MUKCA_USAGE, "-o FILE is needed: the session to record");
     if (s->keys < 0 && !o->live.recorder.triggers && !o->live.recorder.still &&
         !o->live.recorder.lines)
-        return mukca_fail(
-            error, MUKCA_USAGE,
+        return cli_fail(
+            call, MUKCA_USAGE,
             "without a terminal there are no keys; use --trigger (LCM messages) or --still");
     if (!o->resume && !c->force && access(c->output, F_OK) == 0)
-        return mukca_fail(error, MUKCA_INPUT,
-                          "%s exists; --resume continues it, --force overwrites it", c->output);
+        return cli_fail(call, MUKCA_INPUT,
+                        "%s exists; --resume continues it, --force overwrites it", c->output);
     const char *url = o->live.recorder.network.url;
     const char *log = url && strncmp(url, "file://", 7) == 0 ? url + 7 : NULL;
     if (mukca_output_same(log, c->output) || mukca_output_same(log, c->json))
-        return mukca_fail(error, MUKCA_USAGE, "%.100s is the log; refusing to overwrite it", log);
-    if (c->json) return mukca_output_check(c->json, c->force, error);
+        return cli_fail(call, MUKCA_USAGE, "%.100s is the log; refusing to overwrite it", log);
+    if (c->json) return mukca_output_check(c->json, c->force, &call->error);
     return MUKCA_OK;
 }
 
@@ -301,8 +300,8 @@ static const cli_option options[] = {
                "joint states come as lines on standard input: CSV with a header, JSON, or `ros2 "
                "topic echo --csv`"),
     CLI_OPTION(capture_options, resume, "resume", CLI_FLAG, NULL, "continue an existing session"),
-    CLI_RANGE_OPTION(capture_options, rows, "rows", CLI_INTEGER, "N", 1, MUKCA_CAPTURE_MAX_ROWS,
-                     "finish when the session has N samples"),
+    CLI_OPTION(capture_options, rows, "rows", CLI_INTEGER, "N",
+               "finish when the session has N samples", .least = 1, .most = MUKCA_CAPTURE_MAX_ROWS),
     CLI_OPTION(capture_options, wait, "wait", CLI_POSITIVE, "S",
                "give up without joint states after S seconds (default: 10)"),
     {.name = NULL}};

@@ -46,8 +46,8 @@ typedef struct {
 } compensate_work;
 
 static const cli_option options[] = {
-    CLI_OPTION_AND(compensate_options, from, "from", CLI_CHOICE, "FORMAT",
-                   "correct tables (default) or programs in this language", .choices = formats),
+    CLI_OPTION(compensate_options, from, "from", CLI_CHOICE, "FORMAT",
+               "correct tables (default) or programs in this language", .choices = formats),
     CLI_OPTION(compensate_options, position_only, "position-only", CLI_FLAG, NULL,
                "ignore the orientation (always with fewer than six joints)"),
     CLI_OUTPUT_OPTION("write the corrected targets there (default: standard output)"),

@@ -26,12 +26,12 @@ static const cli_option options[] = {
     CLI_OPTION(
         diagnose_options, summary, "summary", CLI_OUTPUT, "FILE",
         "write a summary of the data on effects shared by arms of this model (for mukca fleet)"),
-    CLI_OPTION_AND(diagnose_options, arm, "arm", CLI_TEXT, "NAME",
-                   "label of the arm in the summary (default: the name of the data's folder)",
-                   .needs = "summary"),
-    CLI_OPTION_AND(diagnose_options, traits_only, "traits-only", CLI_FLAG, NULL,
-                   "elastic coefficients: the means of --traits, nothing of this arm",
-                   .needs = "traits"),
+    CLI_OPTION(diagnose_options, arm, "arm", CLI_TEXT, "NAME",
+               "label of the arm in the summary (default: the name of the data's folder)",
+               .needs = "summary"),
+    CLI_OPTION(diagnose_options, traits_only, "traits-only", CLI_FLAG, NULL,
+               "elastic coefficients: the means of --traits, nothing of this arm",
+               .needs = "traits"),
     CLI_OUTPUT_OPTION("write the offsets table: geometry and causes"),
     {.name = NULL}};
 

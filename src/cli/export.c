@@ -16,17 +16,16 @@ static const char *const formats[] = {
         NULL};
 
 static const cli_option options[] = {
-    CLI_OPTION_AND(export_options, format, "format", CLI_CHOICE, "FORMAT",
-                   "what to write (default: by the ending of the file's name, else urdf)",
-                   .choices = formats, .letter = 'f'),
-    CLI_OPTION_AND(export_options, into, "into", CLI_TEXT, "FILE",
-                   "your own URDF or MuJoCo model: replace the poses of the arm, found by names",
-                   .excludes = "format"),
-    CLI_OPTION_AND(
-        export_options, motion, "motion", CLI_INPUT, "FILE",
-        "the table of mukca motion: patch friction, armature and masses, in the model of "
-        "--into (default: the URDF), instead of poses",
-        .excludes = "format offsets"),
+    CLI_OPTION(export_options, format, "format", CLI_CHOICE, "FORMAT",
+               "what to write (default: by the ending of the file's name, else urdf)",
+               .choices = formats, .letter = 'f'),
+    CLI_OPTION(export_options, into, "into", CLI_TEXT, "FILE",
+               "your own URDF or MuJoCo model: replace the poses of the arm, found by names",
+               .excludes = "format"),
+    CLI_OPTION(export_options, motion, "motion", CLI_INPUT, "FILE",
+               "the table of mukca motion: patch friction, armature and masses, in the model of "
+               "--into (default: the URDF), instead of poses",
+               .excludes = "format offsets"),
     CLI_OUTPUT_OPTION("where to write it (default: standard output)"),
     {.name = NULL}};
 

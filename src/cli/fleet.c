@@ -10,9 +10,9 @@ typedef struct {
 
 static const cli_option options[] = {
     CLI_OUTPUT_OPTION("write the traits table; with --partial, the summary of summaries"),
-    CLI_OPTION_AND(fleet_options, partial, "partial", CLI_FLAG, NULL,
-                   "join the summaries into one file (-o) for a later mukca fleet; pool nothing",
-                   .needs = "output", .excludes = "json"),
+    CLI_OPTION(fleet_options, partial, "partial", CLI_FLAG, NULL,
+               "join the summaries into one file (-o) for a later mukca fleet; pool nothing",
+               .needs = "output", .excludes = "json"),
     {.name = NULL}};
 
 static void release(void *fleet)

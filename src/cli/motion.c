@@ -32,8 +32,8 @@ static const cli_option options[] = {
     CLI_OPTION(motion_options, mjcf, "mjcf", CLI_INPUT, "FILE",
                "MuJoCo model with frictionloss, damping and armature of the joints (default: "
                "<dynamics> of the URDF)"),
-    CLI_CHOICE_OPTION(motion_options, effort, "effort", "WHAT", efforts,
-                      "what JOINT.effort contains (default: torque, N m)"),
+    CLI_OPTION(motion_options, effort, "effort", CLI_CHOICE, "WHAT",
+               "what JOINT.effort contains (default: torque, N m)", .choices = efforts),
     CLI_OPTION(motion_options, gain, "current-gain", CLI_TEXT, "GAINS",
                "torque constants N m/A for currents, as in joint_1=14.9,joint_2=13.3"),
     CLI_OPTION(motion_options, stiffness, "kp", CLI_TEXT, "GAINS",

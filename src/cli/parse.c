@@ -76,9 +76,8 @@ static mukca_status append(cli_call *call, cli_list *list, const char *item)
 /* ", in m", by the argument's name in help; "": no unit. */
 static const char *unit_words(const cli_option *option)
 {
-    static const char *const table[][2] = {{"M", ", in m"},     {"S", ", in s"},
-                                           {"RAD", ", in rad"}, {"DEG", ", in degrees"},
-                                           {"NM", ", in N m"},  {"PERCENT", ", in percent"}};
+    static const char *const table[][2] = {
+        {"M", ", in m"}, {"S", ", in s"}, {"RAD", ", in rad"}, {"DEG", ", in degrees"}};
     for (size_t i = 0; i < sizeof table / sizeof *table; i++)
         if (strcmp(option->argument, table[i][0]) == 0) return table[i][1];
     return "";

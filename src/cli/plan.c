@@ -32,19 +32,21 @@ typedef struct {
 static const plan_options defaults = {.rows = 20, .noise = 1e-4};
 
 static const cli_option options[] = {
-    CLI_RANGE_OPTION(plan_options, rows, "rows", CLI_INTEGER, "N", 1, 1000,
-                     "postures to propose, all sockets together (default: 20)"),
+    CLI_OPTION(plan_options, rows, "rows", CLI_INTEGER, "N",
+               "postures to propose, all sockets together (default: 20)", .least = 1, .most = 1000),
     CLI_OPTION(plan_options, places, "place", CLI_TEXTS, "NAME=X,Y,Z[,ROLL,PITCH,YAW]",
                "a placement of the tool: middle of the sockets, which lie on its x axis, m and "
                "rad; 1 cm is accurate enough"),
-    CLI_RANGE_OPTION(plan_options, split, "for", CLI_INTEGER, "N", 1, MUKCA_MOST_FINDINGS,
-                     "diagnose DATA and split finding N of it: tell its two most probable "
-                     "alternatives apart"),
-    CLI_RANGE_OPTION(plan_options, noise, "noise", CLI_POSITIVE, "M", 0, 0.1,
-                     "measurement noise of the ball per axis, m (default: 1e-4)"),
-    CLI_RANGE_OPTION(
-        plan_options, tilt, "tilt", CLI_POSITIVE, "DEG", 0, 180,
-        "largest tilt of the tool from straight down (default: 60, or that of DATA; 180: any)"),
+    CLI_OPTION(plan_options, split, "for", CLI_INTEGER, "N",
+               "diagnose DATA and split finding N of it: tell its two most probable "
+               "alternatives apart",
+               .least = 1, .most = MUKCA_MOST_FINDINGS),
+    CLI_OPTION(plan_options, noise, "noise", CLI_POSITIVE, "M",
+               "measurement noise of the ball per axis, m (default: 1e-4)", .most = 0.1),
+    CLI_OPTION(
+        plan_options, tilt, "tilt", CLI_POSITIVE, "DEG",
+        "largest tilt of the tool from straight down (default: 60, or that of DATA; 180: any)",
+        .most = 180),
     CLI_OPTION(plan_options, seed, "seed", CLI_INTEGER, "N",
                "seed of the random candidates (default: 0)"),
     CLI_OUTPUT_OPTION("write the postures there, a session file (default: standard output)"),
@@ -58,12 +60,11 @@ static void progress(void *context, double fraction)
 static mukca_status check(cli_call *call)
 {
     const plan_options *o = call->options;
-    mukca_error *e = &call->error;
     if (o->split && call->arguments.n == 0)
-        return mukca_fail(e, MUKCA_USAGE, "--for needs the DATA of the finding");
+        return cli_fail(call, MUKCA_USAGE, "--for needs the DATA of the finding");
     if (call->arguments.n == 0 && o->places.n == 0)
-        return mukca_fail(e, MUKCA_USAGE,
-                          "where is the tool? give recorded DATA, or --place NAME=X,Y,Z");
+        return cli_fail(call, MUKCA_USAGE,
+                        "where is the tool? give recorded DATA, or --place NAME=X,Y,Z");
     return MUKCA_OK;
 }
 

@@ -11,7 +11,7 @@ typedef struct {
 } report_options;
 
 static const cli_option options[] = {
-    CLI_OPTION_AND(
+    CLI_OPTION(
         report_options, fleet, "fleet", CLI_FLAG, NULL,
         "DATA are summaries of the arms of one model (diagnose --summary): the page of a fleet",
         .excludes = "urdf kinematics inertials offsets distances payload test free-base free-tool"),

@@ -44,7 +44,7 @@ static void take_result(send_work *c, const mukca_message_result *m)
     c->answered = true;
     c->status = (mukca_status)m->code;
     if (c->status != MUKCA_OK && c->status != MUKCA_NEGATIVE)
-        mukca_fail(&c->call->error, c->status, "%.250s", m->text);
+        cli_fail(c->call, c->status, "%.250s", m->text);
     else if (m->n)
         cli_log(c->call, "%s\n", m->text);
     else
@@ -81,14 +81,12 @@ static void on_packet(void *context, const mukca_lcm_packet *packet)
 {
     send_work *c = context;
     mukca_message_status status;
-    mukca_error foreign;
     if (c->answered) return;
     if (c->wants_status) {
-        if (!mukca_message_decode(&status, MUKCA_MESSAGE_STATUS, packet->data, packet->size,
-                                  &foreign))
+        if (!mukca_message_decode(&status, MUKCA_MESSAGE_STATUS, packet->data, packet->size, NULL))
             take_status(c, &status);
     } else if (!mukca_message_decode(&c->result, MUKCA_MESSAGE_RESULT, packet->data, packet->size,
-                                     &foreign)) {
+                                     NULL)) {
         take_result(c, &c->result);
     }
 }
@@ -102,12 +100,10 @@ static mukca_status send_command(send_work *c)
     mukca_message_command command = {
         .utime = mukca_lcm_link_clock(&c->link), .id = c->id, .verb = words->items[0]};
     if (words->n - 1 > MUKCA_MESSAGE_ARGUMENTS)
-        return mukca_fail(&c->call->error, MUKCA_USAGE, "at most %d arguments",
-                          MUKCA_MESSAGE_ARGUMENTS);
+        return cli_fail(c->call, MUKCA_USAGE, "at most %d arguments", MUKCA_MESSAGE_ARGUMENTS);
     for (int i = 1; i < words->n; i++) command.argument[command.n++] = words->items[i];
     size_t size = mukca_message_encode(buffer, 4096, MUKCA_MESSAGE_COMMAND, &command);
-    if (!size || size > 4096)
-        return mukca_fail(&c->call->error, MUKCA_USAGE, "the arguments are too long");
+    if (!size || size > 4096) return cli_fail(c->call, MUKCA_USAGE, "the arguments are too long");
     mukca_message_channel(channel, MUKCA_MESSAGE_COMMAND, o->prefix);
     if (o->key) {
         const mukca_lcm_packet packet = {.channel = channel, .data = buffer, .size = size};
