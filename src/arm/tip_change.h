@@ -17,7 +17,7 @@ typedef struct {
     bool base_frame; /* the first element is a tracker's frame, the last one an unknown target: */
     bool tool_frame; /* they are not part of the arm, and their offsets are ignored */
     bool free_base;  /* poses are in an unknown frame, for which the chain has no element */
-    int threads;     /* of a posterior, the caller's included; 0: it alone */
+    int threads;     /* of a posterior, as of mukca_workers_start */
 } mukca_tip_change_task;
 
 /* Pose of the tip in the posture and state, with effects[n]. */

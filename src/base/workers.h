@@ -13,7 +13,7 @@ typedef struct mukca_workers mukca_workers;
 typedef void mukca_block_fn(void *context, int block, int worker);
 
 /* At most n threads in all, the caller's included; NULL (the caller's alone): n < 2, or none can be
- * started. */
+ * started.  All options `threads` are this n. */
 mukca_workers *mukca_workers_start(int n);
 void mukca_workers_stop(mukca_workers *workers);
 

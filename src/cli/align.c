@@ -3,7 +3,6 @@
 
 #include "cli/cli.h"
 #include "fit/align.h"
-#include "fit/evaluate.h"
 
 typedef struct {
     cli_common common;
@@ -42,25 +41,17 @@ static void release(void *work)
     for (int i = 0; i < 2; i++) mukca_dataset_free(&w->side[i].data);
 }
 
-/* Predicted ball positions: mean per socket, and variance about the means. */
-static mukca_status find_means(cli_call *call, side *s)
+/* Variance of the predicted ball positions about their means. */
+static double find_variance(const side *s)
 {
     const mukca_dataset *d = &s->data;
-    const mukca_offsets *o = &s->model.offsets;
-    mukca_effect effects[MUKCA_MAX_EFFECTS];
-    mukca_offsets_place_effects(effects, o, d);
-    const mukca_model model = {
-        .chain = &s->model.chain, .theta = o->theta, .effects = effects, .n_effects = o->n_effects};
     double squares = 0;
     int freedom = 0;
-    if (!mukca_evaluation_make(&s->evaluation, &call->pool, &model, d))
-        return cli_fail(call, MUKCA_MEMORY, "out of memory");
     for (int k = 0; k < d->n_sockets; k++)
         freedom += s->evaluation.count[k] > 1 ? s->evaluation.count[k] - 1 : 0;
     for (int i = 0; i < d->n_rows; i++)
         if (d->socket[i] >= 0) squares += s->evaluation.error[i] * s->evaluation.error[i];
-    s->variance = freedom > 0 ? squares / (3 * freedom) : 0;
-    return MUKCA_OK;
+    return freedom > 0 ? squares / (3 * freedom) : 0;
 }
 
 static mukca_status load_side(cli_call *call, int i)
@@ -75,14 +66,14 @@ static mukca_status load_side(cli_call *call, int i)
     if (i == 1 && right->urdf) arm.urdf = right->urdf;
     if (i == 1 && right->base) arm.base = right->base;
     if (i == 1 && right->tip) arm.tip = right->tip;
-    mukca_status status = cli_load_model(call, &s->model, &arm);
-    if (status == MUKCA_OK) status = cli_load_data(call, &s->data, &s->model, &path);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(cli_load_model(call, &s->model, &arm));
+    MUKCA_TRY(cli_load_data(call, &s->data, &s->model, &path));
     if (s->data.n_sockets == 0)
         return cli_fail(call, MUKCA_INPUT, "%.100s: no sockets; give a session", path.items[0]);
-    status = cli_check_moving(call, &s->data, false);
-    if (status == MUKCA_OK) status = cli_check_scatter(call, path.items[0], &s->model, &s->data);
-    return status == MUKCA_OK ? find_means(call, s) : status;
+    MUKCA_TRY(cli_check_moving(call, &s->data, false));
+    MUKCA_TRY(cli_check_scatter(&s->evaluation, call, path.items[0], &s->model, &s->data));
+    s->variance = find_variance(s);
+    return MUKCA_OK;
 }
 
 static const char *placement_of(const side *s, int socket)
@@ -159,10 +150,9 @@ static json_t *as_json(const cli_call *call)
 static mukca_status run(cli_call *call)
 {
     align_work *w = call->work;
-    mukca_status status = MUKCA_OK;
-    for (int i = 0; i < 2 && status == MUKCA_OK; i++) status = load_side(call, i);
-    if (status == MUKCA_OK) status = find_shared(call);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(load_side(call, 0));
+    MUKCA_TRY(load_side(call, 1));
+    MUKCA_TRY(find_shared(call));
     return mukca_two_arms_align(&w->result, w->shared, w->n, &call->error);
 }
 

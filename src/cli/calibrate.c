@@ -18,13 +18,14 @@ static const cli_option options[] = {
                "keep these nominal (same syntax)"),
     CLI_OPTION(calibrate_options, regularise_tip, "regularise-tip", CLI_FLAG, NULL,
                "regularise the last fixed joint, too"),
-    CLI_RANGE_OPTION(
-        calibrate_options, lambda, "lambda", CLI_NUMBER, "L", 0, INFINITY,
-        "weight of the regularisation towards the nominal model, per placement (default: 1e-4)"),
-    CLI_CHOICE_OPTION(calibrate_options, solver, "solver", "SOLVER", mukca_solver_name,
-                      "minimiser (default: slsqp)"),
-    CLI_CHOICE_OPTION(calibrate_options, gradient, "gradient", "GRADIENT", calibrate_gradients,
-                      "central differences (default), or analytic"),
+    CLI_OPTION(
+        calibrate_options, lambda, "lambda", CLI_NUMBER, "L",
+        "weight of the regularisation towards the nominal model, per placement (default: 1e-4)",
+        .most = INFINITY),
+    CLI_OPTION(calibrate_options, solver, "solver", CLI_CHOICE, "SOLVER",
+               "minimiser (default: slsqp)", .choices = mukca_solver_name),
+    CLI_OPTION(calibrate_options, gradient, "gradient", CLI_CHOICE, "GRADIENT",
+               "central differences (default), or analytic", .choices = cli_gradients),
     {.name = NULL}};
 
 static mukca_fit_options fit_options(const calibrate_options *o)
@@ -33,10 +34,10 @@ static mukca_fit_options fit_options(const calibrate_options *o)
         .selection = {o->free, o->freeze, o->regularise_tip},
         .free_base = o->common.free_base,
         .free_tool = o->common.free_tool,
-        .cost = {.lambda = o->lambda > 0 ? o->lambda : -1,
-                 .gradient = o->gradient == 1 ? MUKCA_GRADIENT_ANALYTIC : MUKCA_GRADIENT_FD},
+        .cost = {.lambda = o->lambda > 0 ? o->lambda : -1, .gradient = (mukca_gradient)o->gradient},
         .solver = mukca_solver_table[o->solver],
-        .limits = {.stop = cli_stop}};
+        .limits = {.stop = cli_stop},
+        .threads = o->common.threads};
 }
 
 /* ---- --traits ---- */
@@ -78,6 +79,7 @@ static mukca_status use_traits(cli_call *call, const mukca_fit_options *wanted)
     const mukca_traits *traits = &s->traits;
     const mukca_dataset *const data[2] = {&s->data, &s->test};
     mukca_pool *pool = &call->pool;
+    if (!call->common->traits) return MUKCA_OK;
     mukca_fit *with = MUKCA_TAKE(pool, mukca_fit, SHARES);
     double *recorded[2];
     int best = 0;
@@ -86,23 +88,21 @@ static mukca_status use_traits(cli_call *call, const mukca_fit_options *wanted)
         recorded[i] = MUKCA_TAKE(pool, double, size + 1);
         if (recorded[i] && size) memcpy(recorded[i], data[i]->q, size * sizeof *recorded[i]);
     }
-    mukca_status status = pool->failed ? cli_fail(call, MUKCA_MEMORY, "out of memory") : MUKCA_OK;
-    for (int k = 0; k < SHARES && status == MUKCA_OK; k++) {
+    if (pool->failed) return cli_fail(call, MUKCA_MEMORY, "out of memory");
+    for (int k = 0; k < SHARES; k++) {
         correct(s, recorded, traits, shares[k]);
-        status = mukca_fit_run(&with[k], &s->model.chain, &s->data, wanted, &call->error);
-        if (status != MUKCA_OK) break;
+        MUKCA_TRY(mukca_fit_run(&with[k], &s->model.chain, &s->data, wanted, &call->error));
         const double evidence = log_evidence(&with[k], &w->fit);
         if (k == 0 || evidence > w->traits_evidence) best = k, w->traits_evidence = evidence;
     }
-    if (status == MUKCA_OK) {
-        const bool use = with[best].converged && w->traits_evidence > LEAST_EVIDENCE;
-        w->traits_share = use ? shares[best] : 0;
-        correct(s, recorded, traits, w->traits_share);
-        if (use) w->fit = with[best];
-    }
-    return status;
+    const bool use = with[best].converged && w->traits_evidence > LEAST_EVIDENCE;
+    w->traits_share = use ? shares[best] : 0;
+    correct(s, recorded, traits, w->traits_share);
+    if (use) w->fit = with[best];
+    return MUKCA_OK;
 }
 
+/* List the effects that the geometry was fitted with in the offsets table. */
 static void add_traits(cli_call *call)
 {
     calibrate_work *w = call->work;
@@ -115,7 +115,20 @@ static void add_traits(cli_call *call)
 
 /* ---- the command ---- */
 
-static mukca_status write_offsets(cli_call *call)
+static mukca_status judge_offsets(cli_call *call, const mukca_fit_options *wanted)
+{
+    calibrate_work *w = call->work;
+    const cli_session *s = call->session;
+    mukca_cross_validation held;
+    MUKCA_TRY(mukca_fit_cross_validate(&held, &w->fit, &s->model.chain, &s->data, &s->test, wanted,
+                                       &call->error));
+    const mukca_status status =
+        mukca_accept_fit(&w->offsets, &w->fit, &held, &s->data, wanted, &call->error);
+    mukca_cross_validation_free(&held);
+    return status;
+}
+
+static mukca_status write_offsets(cli_call *call, FILE *stream)
 {
     const calibrate_work *w = call->work;
     const mukca_dataset *data = &call->session->data;
@@ -123,8 +136,7 @@ static mukca_status write_offsets(cli_call *call)
     snprintf(comments, sizeof comments,
              "mean error on %d training samples: %.4g m nominal, %.4g m calibrated", data->n_rows,
              w->scores.set[0].mean[CLI_NOMINAL].mae, w->scores.set[0].mean[CLI_CALIBRATED].mae);
-    return cli_write_offsets(call, call->common->output, &w->offsets, &w->fit.chain, data,
-                             comments);
+    return mukca_offsets_write(stream, &w->offsets, &w->fit.chain, data, comments, &call->error);
 }
 
 static mukca_status run(cli_call *call)
@@ -132,34 +144,25 @@ static mukca_status run(cli_call *call)
     const calibrate_options *o = call->options;
     const cli_session *s = call->session;
     const mukca_chain *chain = &s->model.chain;
-    mukca_fit_options wanted = fit_options(o);
-    wanted.threads = cli_threads(call);
+    const mukca_fit_options wanted = fit_options(o);
     calibrate_work *w = call->work;
     mukca_fit *fit = &w->fit;
     mukca_columns_note(cli_notes(call), chain, &s->data);
-    mukca_status status = cli_check_moving(call, &s->data, false);
-    if (status == MUKCA_OK) status = cli_check_moving(call, &s->test, false);
-    if (status == MUKCA_OK) status = mukca_fit_run(fit, chain, &s->data, &wanted, &call->error);
-    if (status == MUKCA_OK && o->common.traits) status = use_traits(call, &wanted);
-    if (status == MUKCA_OK && fit->identification.rank == 0)
-        status = cli_fail(call, MUKCA_UNIDENTIFIABLE,
-                          "the data identify no free parameter; record different postures");
-    if (status == MUKCA_OK)
-        status = mukca_frames_start(w->nominal, &fit->chain, &s->data, o->common.free_base,
-                                    o->common.free_tool, &call->error);
+    MUKCA_TRY(cli_check_moving(call, &s->data, false));
+    MUKCA_TRY(cli_check_moving(call, &s->test, false));
+    MUKCA_TRY(mukca_fit_run(fit, chain, &s->data, &wanted, &call->error));
+    MUKCA_TRY(use_traits(call, &wanted));
+    if (fit->identification.rank == 0)
+        return cli_fail(call, MUKCA_UNIDENTIFIABLE,
+                        "the data identify no free parameter; record different postures");
+    MUKCA_TRY(mukca_frames_start(w->nominal, &fit->chain, &s->data, o->common.free_base,
+                                 o->common.free_tool, &call->error));
     w->scores = (cli_scores){.nominal_theta = w->nominal, .calibrated = true};
-    if (status == MUKCA_OK)
-        status = cli_scores_make(call, &w->scores, &fit->chain, fit->theta, NULL, "train");
-    if (status != MUKCA_OK) return status;
     mukca_fit_offsets(&w->offsets, fit);
-    status =
-        mukca_fit_cross_validate(&w->held, fit, chain, &s->data, &s->test, &wanted, &call->error);
-    if (status != MUKCA_OK) return status;
-    status = mukca_accept_fit(&w->offsets, fit, &w->held, &s->data, &wanted, &call->error);
-    mukca_cross_validation_free(&w->held);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(cli_scores_make(call, &w->scores, &fit->chain, &w->offsets, "train"));
+    MUKCA_TRY(judge_offsets(call, &wanted));
     add_traits(call);
-    return write_offsets(call);
+    return cli_write(call, o->common.output, write_offsets);
 }
 
 const cli_command cli_command_calibrate = {
@@ -197,7 +200,7 @@ const cli_command cli_command_calibrate = {
     .defaults = &defaults,
     .reads = CLI_READS_DATA,
     .run = run,
-    .json = calibrate_json,
-    .print = calibrate_print,
+    .json = cli_calibration_json,
+    .print = cli_calibration_print,
     .work_size = sizeof(calibrate_work),
 };

@@ -17,19 +17,18 @@ typedef struct {
     mukca_fit fit;
     double nominal[MUKCA_MAX_THETA]; /* of the chain, free frames aligned to the training data */
     cli_scores scores;
-    mukca_cross_validation held;
     mukca_offsets offsets;  /* with verdict */
     double traits_evidence; /* log Bayes factor of their means, or of half of them */
     double traits_share;    /* fraction of the means in use, 0 to 1 */
 } calibrate_work;
 
 /* Print one screen, the verdict first; returns the exit code. */
-mukca_status calibrate_print(cli_call *call);
+mukca_status cli_calibration_print(cli_call *call);
 
 /* Members of mukca.calibrate/1. */
-json_t *calibrate_json(const cli_call *call);
+json_t *cli_calibration_json(const cli_call *call);
 
-/* Names of --solver and --gradient. */
-extern const char *const calibrate_gradients[];
+/* Names of --gradient. */
+extern const char *const cli_gradients[];
 
 #endif

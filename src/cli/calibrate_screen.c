@@ -5,7 +5,7 @@
 
 #include "fit/poses.h"
 
-const char *const calibrate_gradients[] = {"fd", "analytic", NULL};
+const char *const cli_gradients[] = {"fd", "analytic", NULL};
 
 static void print_identifiability(cli_call *call, const mukca_fit *fit)
 {
@@ -165,7 +165,7 @@ static void print_traits(cli_call *call)
                 traits->n_arms, w->traits_evidence);
 }
 
-mukca_status calibrate_print(cli_call *call)
+mukca_status cli_calibration_print(cli_call *call)
 {
     const calibrate_work *w = call->work;
     const cli_session *s = call->session;
@@ -198,7 +198,7 @@ static json_t *cost_json(const mukca_cost_value *c)
                     FIELD(c, regularisation));
 }
 
-json_t *calibrate_json(const cli_call *call)
+json_t *cli_calibration_json(const cli_call *call)
 {
     const calibrate_options *o = call->options;
     const calibrate_work *w = call->work;
@@ -213,7 +213,7 @@ json_t *calibrate_json(const cli_call *call)
         FIELD(fit, converged),
         KEY("solver",
             cli_json(KEY("name", mukca_solver_name[o->solver]),
-                     KEY("gradient", calibrate_gradients[o->gradient]),
+                     KEY("gradient", cli_gradients[o->gradient]),
                      KEY("evaluations", fit->outcome.evaluations),
                      KEY("iterations", fit->outcome.iterations),
                      KEY("status", mukca_stop_text(fit->outcome.stop)), FIELD(fit, to_gain))),

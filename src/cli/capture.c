@@ -27,7 +27,7 @@ typedef struct {
     cli_capture_view terminal;
     double redrawn, published; /* s */
     bool finished;
-} session;
+} capture_work;
 
 static const double redraw_period = 0.1;  /* s; appears smooth */
 static const double publish_period = 0.5; /* s; specified in data/lcm/mukca_status.lcm */
@@ -36,7 +36,7 @@ static const double publish_period = 0.5; /* s; specified in data/lcm/mukca_stat
 
 static void report(void *context, const char *line)
 {
-    session *s = context;
+    capture_work *s = context;
     if (s->call->common->quiet) return;
     cli_capture_print(&s->terminal, line);
     s->redrawn = 0;
@@ -44,13 +44,13 @@ static void report(void *context, const char *line)
 
 static mukca_status may_trigger(void *context, const mukca_lcm_packet *packet, mukca_error *error)
 {
-    const session *s = context;
+    const capture_work *s = context;
     (void)packet;
     if (!s->options->rows || s->recorder.session.file.n_rows < s->options->rows) return MUKCA_OK;
     return mukca_fail(error, MUKCA_NEGATIVE, "the session has its %d samples", s->options->rows);
 }
 
-static void read_keys(session *s)
+static void read_keys(capture_work *s)
 {
     char keys[16];
     ssize_t n = read(s->keys, keys, sizeof keys);
@@ -58,7 +58,7 @@ static void read_keys(session *s)
     if (n == 0) s->keys = -1; /* hangup: reading on would spin */
 }
 
-static mukca_status confirm_map(session *s)
+static mukca_status confirm_map(capture_work *s)
 {
     char lines[4096], answer[16] = "";
     mukca_text text = MUKCA_TEXT(lines);
@@ -81,7 +81,7 @@ static mukca_status confirm_map(session *s)
 
 /* ---- the session ---- */
 
-static mukca_status loop(session *s)
+static mukca_status loop(capture_work *s)
 {
     mukca_recorder *r = &s->recorder;
     mukca_status status = MUKCA_OK;
@@ -112,7 +112,7 @@ static mukca_status loop(session *s)
     return status == MUKCA_NEGATIVE ? MUKCA_OK : status; /* end of the log */
 }
 
-static json_t *summary(const session *s)
+static json_t *summary_json(const capture_work *s)
 {
     const mukca_recorder *r = &s->recorder;
     const mukca_dataset *rows = &r->session.capture.rows;
@@ -136,27 +136,26 @@ static json_t *summary(const session *s)
                     KEY("more_rows_help", r->session.advice.more_rows_help));
 }
 
-/* Number of placements that a calibration can use: at least two sockets with two samples each. */
-static int count_finished(const mukca_capture *c)
+/* Is there a placement that a calibration can use: two sockets or more with two samples each? */
+static bool is_usable(const mukca_capture *c)
 {
     const mukca_dataset *rows = &c->rows;
-    int finished = 0;
     for (int p = 0; p < rows->n_placements; p++) {
         int sockets = 0;
         for (int k = 0; k < rows->n_sockets; k++)
             sockets += rows->sockets[k].placement == p && mukca_capture_count(c, k) >= 2;
-        finished += sockets >= 2;
+        if (sockets >= 2) return true;
     }
-    return finished;
+    return false;
 }
 
 /* Print the command that uses this session, with the options that specify the arm. */
-static void print_next(const session *s)
+static void print_next(const capture_work *s)
 {
     const char *words[MUKCA_SERVER_ARGUMENTS];
     char line[4096] = "";
     mukca_text text = MUKCA_TEXT(line);
-    if (!count_finished(&s->recorder.session.capture)) {
+    if (!is_usable(&s->recorder.session.capture)) {
         cli_say(s->call, "Next",
                 "--resume continues: no placement has two sockets with two samples yet");
         return;
@@ -169,7 +168,7 @@ static void print_next(const session *s)
 
 /* Name joints that did not move, and samples too far apart for any arm with its ball in one
  * socket.  False: there are such samples. */
-static bool check_samples(const session *s)
+static bool check_samples(const capture_work *s)
 {
     const mukca_capture *c = &s->recorder.session.capture;
     double coverage[MUKCA_MAX_JOINTS], largest = 0;
@@ -192,7 +191,7 @@ static bool check_samples(const session *s)
     return false;
 }
 
-static void conclude(session *s)
+static void conclude(capture_work *s)
 {
     const mukca_recorder *r = &s->recorder;
     if (r->link.log.skipped)
@@ -219,30 +218,29 @@ static mukca_status check(cli_call *call)
 {
     const capture_options *o = call->options;
     const cli_common *c = call->common;
-    mukca_error *error = &call->error;
-    session *s = call->work;
+    capture_work *s = call->work;
     s->call = call;
     s->options = o;
     s->keys = find_terminal(o->live.recorder.lines);
     if (!c->output || strcmp(c->output, "-") == 0)
-        return mukca_fail(error, MUKCA_USAGE, "-o FILE is needed: the session to record");
+        return cli_fail(call, MUKCA_USAGE, "-o FILE is needed: the session to record");
     if (s->keys < 0 && !o->live.recorder.triggers && !o->live.recorder.still &&
         !o->live.recorder.lines)
-        return mukca_fail(
-            error, MUKCA_USAGE,
+        return cli_fail(
+            call, MUKCA_USAGE,
             "without a terminal there are no keys; use --trigger (LCM messages) or --still");
     if (!o->resume && !c->force && access(c->output, F_OK) == 0)
-        return mukca_fail(error, MUKCA_INPUT,
-                          "%s exists; --resume continues it, --force overwrites it", c->output);
+        return cli_fail(call, MUKCA_INPUT,
+                        "%s exists; --resume continues it, --force overwrites it", c->output);
     const char *url = o->live.recorder.network.url;
     const char *log = url && strncmp(url, "file://", 7) == 0 ? url + 7 : NULL;
     if (mukca_output_same(log, c->output) || mukca_output_same(log, c->json))
-        return mukca_fail(error, MUKCA_USAGE, "%.100s is the log; refusing to overwrite it", log);
-    if (c->json) return mukca_output_check(c->json, c->force, error);
+        return cli_fail(call, MUKCA_USAGE, "%.100s is the log; refusing to overwrite it", log);
+    if (c->json) return mukca_output_check(c->json, c->force, &call->error);
     return MUKCA_OK;
 }
 
-static mukca_status prepare(session *s)
+static mukca_status prepare(capture_work *s)
 {
     cli_call *call = s->call;
     capture_options *o = call->options;
@@ -254,18 +252,16 @@ static mukca_status prepare(session *s)
                                         .interrupted = cli_interrupted,
                                         .context = s};
     cli_live_complete(&o->live, c);
-    mukca_status status = mukca_recorder_open(r, &o->live.recorder, &model->chain,
-                                              model->offsets.theta, &hooks, &call->error);
-    if (status == MUKCA_OK) status = mukca_recorder_connect(r, o->wait, &call->error);
-    if (status == MUKCA_OK) status = confirm_map(s);
-    if (status == MUKCA_OK)
-        status = mukca_sampling_begin(r, c->output, o->resume, c->force, &call->error);
-    return status;
+    MUKCA_TRY(mukca_recorder_open(r, &o->live.recorder, &model->chain, model->offsets.theta, &hooks,
+                                  &call->error));
+    MUKCA_TRY(mukca_recorder_connect(r, o->wait, &call->error));
+    MUKCA_TRY(confirm_map(s));
+    return mukca_sampling_begin(r, c->output, o->resume, c->force, &call->error);
 }
 
 static mukca_status run(cli_call *call)
 {
-    session *s = call->work;
+    capture_work *s = call->work;
     const char *term = getenv("TERM");
     s->view = isatty(STDERR_FILENO) && !call->common->quiet && term && strcmp(term, "dumb") != 0;
     MUKCA_TRY(prepare(s));
@@ -279,7 +275,7 @@ static mukca_status run(cli_call *call)
         mukca_sampling_publish_status(&s->recorder, "stopped");
         conclude(s);
         const mukca_status written =
-            call->common->json ? cli_write_json(call, summary(s)) : MUKCA_OK;
+            call->common->json ? cli_write_json(call, summary_json(s)) : MUKCA_OK;
         mukca_error lost;
         mukca_status finished = mukca_recorder_finish(&s->recorder, &lost);
         if (written != MUKCA_OK) status = written;
@@ -294,7 +290,7 @@ static mukca_status run(cli_call *call)
 
 static void release(void *work)
 {
-    session *s = work;
+    capture_work *s = work;
     mukca_recorder_close(&s->recorder);
 }
 
@@ -307,8 +303,8 @@ static const cli_option options[] = {
                "joint states come as lines on standard input: CSV with a header, JSON, or `ros2 "
                "topic echo --csv`"),
     CLI_OPTION(capture_options, resume, "resume", CLI_FLAG, NULL, "continue an existing session"),
-    CLI_RANGE_OPTION(capture_options, rows, "rows", CLI_INTEGER, "N", 1, MUKCA_CAPTURE_MAX_ROWS,
-                     "finish when the session has N samples"),
+    CLI_OPTION(capture_options, rows, "rows", CLI_INTEGER, "N",
+               "finish when the session has N samples", .least = 1, .most = MUKCA_CAPTURE_MAX_ROWS),
     CLI_OPTION(capture_options, wait, "wait", CLI_POSITIVE, "S",
                "give up without joint states after S seconds (default: 10)"),
     {.name = NULL}};
@@ -362,6 +358,6 @@ const cli_command cli_command_capture = {
     .check = check,
     .reads = CLI_READS_MODEL,
     .run = run,
-    .work_size = sizeof(session),
+    .work_size = sizeof(capture_work),
     .release = release,
 };

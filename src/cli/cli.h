@@ -14,6 +14,7 @@
 #include "base/pool.h"
 #include "base/text.h"
 #include "cli/options.h"
+#include "fit/evaluate.h"
 #include "infer/gaussians.h"
 #include "io/kinematics.h"
 #include "io/offsets.h"
@@ -78,7 +79,7 @@ typedef struct {
     json_t *(*json)(const cli_call *call); /* --json, without its schema */
     cli_step *print;                       /* the answer; returns the exit code */
     size_t work_size;                      /* of call->work, or 0 */
-    void (*release)(void *work);           /* frees its members */
+    void (*release)(void *work);           /* frees what its members own outside of the pool */
 } cli_command;
 
 typedef struct {
@@ -105,9 +106,9 @@ struct cli_call {
     cli_list arguments;                /* positionals */
     cli_given given[CLI_MOST_OPTIONS]; /* [n_given] each option once */
     int n_given;
-    cli_session *session; /* zeroed, filled as the command reads; freed after the run */
-    void *work;           /* zeroed memory of the command, freed after the run */
-    mukca_pool pool;      /* for its arrays, likewise */
+    cli_session *session; /* zeroed, filled as the command reads */
+    void *work;           /* zeroed memory of the command */
+    mukca_pool pool;      /* of all these, and for the command's arrays */
     mukca_error error;
     double started, progressed; /* s, monotonic: the start, the last progress line */
     bool showing;               /* a progress line is on the screen */
@@ -124,6 +125,9 @@ extern const cli_command *const cli_commands[];
  * NULL after the last. */
 const cli_option *cli_next_option(const cli_command *command, const cli_option *option);
 
+/* The member of call->options that has the option's value, of the type of its kind. */
+void *cli_option_member(const cli_call *call, const cli_option *option);
+
 /* ---- parsing and help (parse.c, options.c, commands.c) ---- */
 
 /* Fill call->options and call->arguments from argv[argc]; `*help`: -h or --help was given.  Errors:
@@ -139,8 +143,7 @@ const cli_command *cli_find_command(const char *name); /* NULL: none */
 /* Error for a `name` that is no effect, with a suggestion: MUKCA_USAGE. */
 mukca_status cli_fail_effect(mukca_error *error, const char *option, const char *name);
 
-/* Run the steps of the parsed command with zeroed call->session and call->work; frees them and the
- * pool. */
+/* Run the steps of the parsed command. */
 mukca_status cli_run(cli_call *call);
 
 /* ---- terminal output (terminal.c) ---- */
@@ -166,20 +169,21 @@ void cli_print_words(FILE *stream, int indent, int column, const char *text, siz
  * for each piece of output: it clears a progress line. */
 FILE *cli_answer_stream(cli_call *call);
 
-/* printf to that stream; the second as cli_print_keyed. */
-void cli_answer(cli_call *call, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/* Standard error; NULL with -q. */
+FILE *cli_log_stream(cli_call *call);
+
+/* printf without control characters; nothing if the stream is NULL. */
+void cli_print(FILE *stream, const char *format, ...) __attribute__((format(printf, 2, 3)));
+#define cli_answer(call, ...) cli_print(cli_answer_stream(call), __VA_ARGS__)
+#define cli_log(call, ...) cli_print(cli_log_stream(call), __VA_ARGS__)
+
+/* cli_answer as cli_print_keyed. */
 void cli_say(cli_call *call, const char *key, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
 /* Receiver of notes, and a note to it; silent with -q. */
 mukca_notes cli_notes(cli_call *call);
 #define cli_note(call, ...) mukca_note_format(cli_notes(call), __VA_ARGS__)
-
-/* printf to standard error; silent with -q. */
-void cli_log(cli_call *call, const char *format, ...) __attribute__((format(printf, 2, 3)));
-
-/* Show progress on a terminal, from 2 s of run time on; `done` of `total`. */
-void cli_progress(cli_call *call, const char *what, double done, double total);
 
 double cli_elapsed(const cli_call *call);
 
@@ -191,12 +195,10 @@ const char *cli_plain(FILE *stream);
 void cli_catch_interrupts(void);
 bool cli_interrupted(void);
 
-/* Callbacks for long functions of the library; the context of the second is the call. */
+/* Callbacks for long functions of the library.  The second shows progress on a terminal, from 2 s
+ * of run time on, and returns false after an interrupt. */
 bool cli_stop(void *context);
 bool cli_show_progress(void *call, double fraction, const char *doing);
-
-/* --threads, or one for each core that the process may use. */
-int cli_threads(const cli_call *call);
 
 /* ---- JSON objects from C values (json.c) ---- */
 
@@ -258,8 +260,8 @@ mukca_status cli_read_offsets(cli_call *call, mukca_offsets *offsets, mukca_chai
 /* Format of input tables from --units, --map and --inverse-poses.  Errors: MUKCA_USAGE. */
 mukca_status cli_read_format(cli_call *call, mukca_rows_format *format);
 
-/* Read DATA paths for the model's chain; --distance, --distances and --payload apply.  Free with
- * mukca_dataset_free. */
+/* Read DATA paths, if any, for the model's chain; --distance, --distances and --payload apply. Free
+ * with mukca_dataset_free. */
 mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model *model,
                            const cli_list *paths);
 
@@ -267,10 +269,11 @@ mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model 
  * or `postures`: are of one posture.  Errors: MUKCA_UNIDENTIFIABLE, MUKCA_MEMORY. */
 mukca_status cli_check_moving(cli_call *call, const mukca_dataset *data, bool postures);
 
-/* Refuse data of another arm: the model's predictions of a socket scatter by more than
- * CLI_FOREIGN.  Errors: MUKCA_NEGATIVE, MUKCA_MEMORY. */
-mukca_status cli_check_scatter(cli_call *call, const char *path, const cli_model *model,
-                               const mukca_dataset *data);
+/* Evaluate the model with its offsets, in memory of the call's pool, and refuse data of another
+ * arm: the predictions of a socket scatter by more than CLI_FOREIGN.  Errors: MUKCA_NEGATIVE,
+ * MUKCA_MEMORY. */
+mukca_status cli_check_scatter(mukca_evaluation *evaluation, cli_call *call, const char *path,
+                               const cli_model *model, const mukca_dataset *data);
 
 /* m per axis: twice that of an arm whose mean error is 15 mm, the largest of calibrated arms. */
 #define CLI_FOREIGN 0.02
@@ -289,17 +292,12 @@ cli_list cli_inputs(cli_call *call);
  * writable.  Errors: MUKCA_USAGE, MUKCA_INPUT, MUKCA_MEMORY. */
 mukca_status cli_check_outputs(cli_call *call);
 
-/* Write a file; and the table of a command: to -o, else to standard output. */
+/* Write a file (NULL: none); and the table of a command: to -o, else to standard output. */
 mukca_status cli_write(cli_call *call, const char *path, cli_writer *write);
 mukca_status cli_write_table(cli_call *call, cli_writer *write);
 
 /* Write a page with the command line and the time.  Errors: MUKCA_MEMORY. */
 mukca_status cli_write_page(cli_call *call, FILE *stream, mukca_page page);
-
-/* Write an offsets table to `path` (NULL: none); the arguments are those of mukca_offsets_write. */
-mukca_status cli_write_offsets(cli_call *call, const char *path, const mukca_offsets *offsets,
-                               const mukca_chain *chain, const mukca_dataset *data,
-                               const char *comments);
 
 /* Write `members` (reference stolen) to --json, after the schema "mukca.COMMAND/1".  Errors:
  * MUKCA_INPUT, MUKCA_MEMORY (also after any allocation that failed). */

@@ -1,6 +1,5 @@
 /* The list of commands, in the order of the help (a new command adds one row here), and their run.
  */
-#include <stdlib.h>
 #include <string.h>
 
 #include "cli/cli.h"
@@ -45,33 +44,24 @@ static mukca_status run_steps(cli_call *call)
 {
     const cli_command *c = call->command;
     const cli_common *given = call->common;
-    mukca_status status = c->check ? c->check(call) : MUKCA_OK;
-    if (status == MUKCA_OK) status = cli_read(call, c->reads);
-    if (status == MUKCA_OK && c->run) status = c->run(call);
-    if (status == MUKCA_OK && c->table && (given->output || !given->json))
-        status = cli_write_table(call, c->table);
-    if (status == MUKCA_OK && c->json && given->json) status = cli_write_json(call, c->json(call));
-    return status == MUKCA_OK && c->print ? c->print(call) : status;
+    const bool table = c->table && (given->output || !given->json), json = c->json && given->json;
+    MUKCA_TRY(c->check ? c->check(call) : MUKCA_OK);
+    MUKCA_TRY(cli_read(call, c->reads));
+    MUKCA_TRY(c->run ? c->run(call) : MUKCA_OK);
+    MUKCA_TRY(table ? cli_write_table(call, c->table) : MUKCA_OK);
+    MUKCA_TRY(json ? cli_write_json(call, c->json(call)) : MUKCA_OK);
+    return c->print ? c->print(call) : MUKCA_OK;
 }
 
 mukca_status cli_run(cli_call *call)
 {
-    const cli_command *command = call->command;
-    mukca_status status = cli_check_outputs(call);
-    if (status != MUKCA_OK) return status;
-    call->session = calloc(1, sizeof *call->session);
-    call->work = calloc(1, command->work_size ? command->work_size : 1);
-    if (call->session && call->work)
-        status = run_steps(call);
-    else
-        status = cli_fail(call, MUKCA_MEMORY, "out of memory");
-    if (call->work && command->release) command->release(call->work);
-    free(call->work);
-    mukca_pool_free(&call->pool);
-    if (call->session) {
-        mukca_dataset_free(&call->session->data);
-        mukca_dataset_free(&call->session->test);
-    }
-    free(call->session);
+    MUKCA_TRY(cli_check_outputs(call));
+    call->session = MUKCA_TAKE(&call->pool, cli_session, 1);
+    call->work = mukca_pool_take(&call->pool, 1, call->command->work_size);
+    if (call->pool.failed) return cli_fail(call, MUKCA_MEMORY, "out of memory");
+    const mukca_status status = run_steps(call);
+    if (call->command->release) call->command->release(call->work);
+    mukca_dataset_free(&call->session->data);
+    mukca_dataset_free(&call->session->test);
     return status;
 }

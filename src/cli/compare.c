@@ -9,7 +9,6 @@
 #include "cli/cli.h"
 
 typedef struct {
-    cli_model model; /* the one that was loaded last */
     mukca_corrected arm[2];
     mukca_acceptance verdict[2]; /* not `given`: no table */
     mukca_comparison comparison;
@@ -26,13 +25,12 @@ static bool is_yaml(const char *path)
 static mukca_status load(cli_call *call, int side)
 {
     compare_work *w = call->work;
-    cli_model *m = &w->model;
+    cli_model *m = &call->session->model;
     mukca_corrected *arm = &w->arm[side];
     cli_arm given = call->common->arm;
     const char *path = call->arguments.items[side];
     char *text;
-    mukca_status status = mukca_file_read(&text, path, &call->error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(mukca_file_read(&text, path, &call->error));
     const char **kind = text[strspn(text, " \t\r\n\xef\xbb\xbf")] == '<' ? &given.urdf
                         : is_yaml(path)                                  ? &given.kinematics
                                                                          : &given.offsets;
@@ -43,6 +41,7 @@ static mukca_status load(cli_call *call, int side)
                         "%s: --urdf FILE is needed: a factory file replaces its origins",
                         mukca_file_shown(path));
     memset(m, 0, sizeof *m);
+    mukca_status status = MUKCA_OK;
     if (given.offsets) status = cli_read_offsets(call, &m->offsets, &m->chain, NULL, path);
     if (!given.offsets || (status != MUKCA_OK && m->chain.n_elements == 0 && given.urdf))
         status = cli_load_model(call, m, &given);
@@ -173,10 +172,9 @@ static mukca_status check(cli_call *call)
 static mukca_status run(cli_call *call)
 {
     compare_work *w = call->work;
-    mukca_status status = MUKCA_OK;
-    for (int side = 0; side < 2 && status == MUKCA_OK; side++) status = load(call, side);
-    if (status == MUKCA_OK) status = check_pairs(call);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(load(call, 0));
+    MUKCA_TRY(load(call, 1));
+    MUKCA_TRY(check_pairs(call));
     mukca_compare(&w->comparison, &w->arm[0], &w->arm[1]);
     return MUKCA_OK;
 }

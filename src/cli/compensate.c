@@ -43,11 +43,11 @@ typedef struct {
     tally tally;
     mukca_rows rows;
     bool headed; /* the table's header has been written */
-} job;
+} compensate_work;
 
 static const cli_option options[] = {
-    CLI_OPTION_AND(compensate_options, from, "from", CLI_CHOICE, "FORMAT",
-                   "correct tables (default) or programs in this language", .choices = formats),
+    CLI_OPTION(compensate_options, from, "from", CLI_CHOICE, "FORMAT",
+               "correct tables (default) or programs in this language", .choices = formats),
     CLI_OPTION(compensate_options, position_only, "position-only", CLI_FLAG, NULL,
                "ignore the orientation (always with fewer than six joints)"),
     CLI_OUTPUT_OPTION("write the corrected targets there (default: standard output)"),
@@ -56,25 +56,25 @@ static const cli_option options[] = {
 /* ---- tables ---- */
 
 /* Print the table's header, once. */
-static void print_header(job *b, bool timed)
+static void print_header(compensate_work *w, bool timed)
 {
-    const mukca_chain *chain = &b->arm.chain;
-    if (b->headed) return;
-    b->headed = true;
-    cli_print_verdict(b->call, b->stream);
-    if (timed) fputs("time_s\t", b->stream);
+    const mukca_chain *chain = &w->arm.chain;
+    if (w->headed) return;
+    w->headed = true;
+    cli_print_verdict(w->call, w->stream);
+    if (timed) fputs("time_s\t", w->stream);
     for (int j = 0; j < chain->n_joints; j++)
-        fprintf(b->stream, "%s\t", mukca_chain_joint_name(chain, j));
-    fputs("error_before_m\terror_m\terror_rad\tstatus\n", b->stream);
+        fprintf(w->stream, "%s\t", mukca_chain_joint_name(chain, j));
+    fputs("error_before_m\terror_m\terror_rad\tstatus\n", w->stream);
 }
 
 /* List line `number` of `path`, which a program cannot hold, and why. */
-static void refuse(job *b, const char *path, int number, const char *why)
+static void refuse(compensate_work *w, const char *path, int number, const char *why)
 {
     mukca_error error; /* for its rules about foreign text */
     mukca_fail(&error, MUKCA_INPUT, "%s:%d: %s", mukca_file_shown(path), number, why);
     fprintf(stderr, "mukca: %s\n", error.text);
-    b->tally.refused++;
+    w->tally.refused++;
 }
 
 static void add(tip_errors *errors, double x)
@@ -84,56 +84,42 @@ static void add(tip_errors *errors, double x)
 }
 
 /* Count a target; false: a program cannot hold it (listed). */
-static bool count(job *b, const mukca_compensation *c, const char *path, int number)
+static bool count(compensate_work *w, const mukca_compensation *c, const char *path, int number)
 {
-    tally *t = &b->tally;
+    tally *t = &w->tally;
     t->rows++;
     t->count[c->reach]++;
     add(&t->before, c->position_before);
     add(&t->after, c->position_error);
-    if (!b->from || c->reach == MUKCA_REACH_OK) return true; /* tables have a status column */
-    refuse(b, path, number, mukca_reach_sentence[c->reach]);
+    if (!w->from || c->reach == MUKCA_REACH_OK) return true; /* tables have a status column */
+    refuse(w, path, number, mukca_reach_sentence[c->reach]);
     return false;
 }
 
-/* Count a corrected target, and print it as a row of the table. */
-static void put(job *b, const double *q, const mukca_compensation *c, const char *path, int number)
+static mukca_status correct_table(compensate_work *w, const char *path)
 {
-    count(b, c, path, number);
-    for (int j = 0; j < b->arm.chain.n_joints; j++) fprintf(b->stream, "%.17g\t", q[j]);
-    fprintf(b->stream, "%.9g\t%.9g\t%.9g\t%s\n", c->position_before, c->position_error,
-            c->rotation_error, mukca_reach_text[c->reach]);
-}
-
-/* Begin a path: the targets of one file. */
-static void start(job *b)
-{
-    const compensate_options *o = b->call->options;
-    mukca_compensator_start(&b->compensator, &b->arm, o->position_only);
-}
-
-static mukca_status correct_table(job *b, const char *path)
-{
-    cli_call *call = b->call;
-    mukca_rows *rows = &b->rows;
+    cli_call *call = w->call;
+    mukca_rows *rows = &w->rows;
     mukca_row row;
     mukca_rows_options header = {.kind = MUKCA_EITHER, .unchecked = true, .notes = cli_notes(call)};
     MUKCA_TRY(cli_read_format(call, &header.format));
-    MUKCA_TRY(mukca_rows_open(rows, path, &b->arm.chain, &header, &call->error));
+    MUKCA_TRY(mukca_rows_open(rows, path, &w->arm.chain, &header, &call->error));
     if (mukca_table_find(&rows->table, "error_before_m") >= 0)
         mukca_table_fail(
             &rows->table, -1,
             "these targets were corrected by mukca compensate; give the intended ones");
     const bool timed = rows->column.number[MUKCA_COLUMN_TIME][0] >= 0;
-    start(b);
-    print_header(b, timed);
-    while (!ferror(b->stream) && !cli_interrupted() && mukca_rows_next(rows, &row)) {
+    print_header(w, timed);
+    while (!ferror(w->stream) && !cli_interrupted() && mukca_rows_next(rows, &row)) {
         const mukca_row_reading reading = mukca_row_read(&row, rows);
         double q[MUKCA_MAX_JOINTS];
         memcpy(q, row.q, sizeof q);
-        const mukca_compensation c = mukca_compensate_joints(q, &b->compensator, &reading);
-        if (timed) fprintf(b->stream, "%.17g\t", row.time[0]);
-        put(b, q, &c, path, rows->table.line);
+        const mukca_compensation c = mukca_compensate_joints(q, &w->compensator, &reading);
+        count(w, &c, path, rows->table.line);
+        if (timed) fprintf(w->stream, "%.17g\t", row.time[0]);
+        for (int j = 0; j < w->arm.chain.n_joints; j++) fprintf(w->stream, "%.17g\t", q[j]);
+        fprintf(w->stream, "%.9g\t%.9g\t%.9g\t%s\n", c.position_before, c.position_error,
+                c.rotation_error, mukca_reach_text[c.reach]);
     }
     const mukca_status status = mukca_rows_close(rows);
     return status == MUKCA_OK && cli_interrupted() ? MUKCA_INTERRUPTED : status;
@@ -141,20 +127,20 @@ static mukca_status correct_table(job *b, const char *path)
 
 /* ---- programs ---- */
 
-static void correct_line(job *b, const char *line, const char *path, int number)
+static void correct_line(compensate_work *w, const char *line, const char *path, int number)
 {
-    const mukca_chain *chain = &b->arm.chain;
+    const mukca_chain *chain = &w->arm.chain;
     const mukca_row_reading reading = {
-        .time = (double)NAN, .placement = -1, .number = (int)b->tally.rows + 1};
+        .time = (double)NAN, .placement = -1, .number = (int)w->tally.rows + 1};
     char text[160];
     mukca_program_target t;
-    const mukca_program_line kind = mukca_language_read(&t, b->from, chain, line);
+    const mukca_program_line kind = mukca_language_read(&t, w->from, chain, line);
     if (kind == MUKCA_LINE_UNKNOWN) {
         const char *words = line + strspn(line, " \t");
         snprintf(text, sizeof text, "not understood: %.*s", (int)strcspn(words, "\r"), words);
-        refuse(b, path, number, text);
+        refuse(w, path, number, text);
     }
-    if (kind == MUKCA_LINE_OTHER) fputs(line, b->stream);
+    if (kind == MUKCA_LINE_OTHER) fputs(line, w->stream);
     if (kind != MUKCA_LINE_TARGET) return;
     double q[MUKCA_MAX_JOINTS];
     memcpy(q, t.q, sizeof q);
@@ -162,34 +148,33 @@ static void correct_line(job *b, const char *line, const char *path, int number)
         if (!mukca_rows_plausible(&chain->element[chain->joint_element[j]], q[j])) {
             snprintf(text, sizeof text, "joint '%s' is %g rad, more than two turns; check --from",
                      mukca_chain_joint_name(chain, j), q[j]);
-            refuse(b, path, number, text);
+            refuse(w, path, number, text);
             return;
         }
-    const mukca_compensation c = mukca_compensate_joints(q, &b->compensator, &reading);
-    if (count(b, &c, path, number)) mukca_language_replace(b->stream, b->from, chain, line, &t, q);
+    const mukca_compensation c = mukca_compensate_joints(q, &w->compensator, &reading);
+    if (count(w, &c, path, number)) mukca_language_replace(w->stream, w->from, chain, line, &t, q);
 }
 
 /* Correct the program at `path`; lines that are not understood are listed. */
-static mukca_status correct_program(job *b, const char *path)
+static mukca_status correct_program(compensate_work *w, const char *path)
 {
-    cli_call *call = b->call;
+    cli_call *call = w->call;
     const compensate_options *o = call->options;
-    const long before = b->tally.rows;
+    const long before = w->tally.rows;
     char *text;
     int number = 0;
     MUKCA_TRY(mukca_file_read(&text, path, &call->error));
-    start(b);
-    for (char *line = text; *line && !ferror(b->stream) && !cli_interrupted();) {
+    for (char *line = text; *line && !ferror(w->stream) && !cli_interrupted();) {
         char *end = line + strcspn(line, "\n");
         const bool ended = *end == '\n';
         *end = '\0';
-        correct_line(b, line, path, ++number);
-        if (ended) fputc('\n', b->stream);
+        correct_line(w, line, path, ++number);
+        if (ended) fputc('\n', w->stream);
         line = end + ended;
     }
     free(text);
     if (cli_interrupted()) return MUKCA_INTERRUPTED;
-    if (b->tally.rows > before || b->tally.refused > 0) return MUKCA_OK;
+    if (w->tally.rows > before || w->tally.refused > 0) return MUKCA_OK;
     return cli_fail(call, MUKCA_INPUT, "%s: no target in %s; check --from and --tip",
                     mukca_file_shown(path), formats[o->from]);
 }
@@ -204,7 +189,7 @@ static double mean(const tally *t, const tip_errors *errors)
 
 static mukca_status print(cli_call *call)
 {
-    const tally *t = &((const job *)call->work)->tally;
+    const tally *t = &((const compensate_work *)call->work)->tally;
     if (t->rows == 0) return MUKCA_OK;
     cli_answer(call, "%ld row%s: error %.4f mm (mean), %.4f mm (max) -> %.4f mm, %.4f mm\n",
                t->rows, t->rows == 1 ? "" : "s", 1e3 * mean(t, &t->before), 1e3 * t->before.max,
@@ -218,7 +203,7 @@ static mukca_status print(cli_call *call)
 
 static json_t *as_json(const cli_call *call)
 {
-    const tally *t = &((const job *)call->work)->tally;
+    const tally *t = &((const compensate_work *)call->work)->tally;
     json_t *counts = json_object();
     for (int r = 0; r < MUKCA_REACH_COUNT; r++)
         json_object_set_new(counts, mukca_reach_text[r], json_integer((json_int_t)t->count[r]));
@@ -242,19 +227,21 @@ static mukca_status check_axes(cli_call *call, int format)
 
 static mukca_status correct_all(cli_call *call, FILE *stream)
 {
-    job *b = call->work;
+    const compensate_options *o = call->options;
+    compensate_work *w = call->work;
     const cli_list input = cli_inputs(call);
-    mukca_status status = MUKCA_OK;
-    b->stream = stream;
-    for (int i = 0; i < input.n && status == MUKCA_OK; i++)
-        status = b->from ? correct_program(b, input.items[i]) : correct_table(b, input.items[i]);
-    return status;
+    w->stream = stream;
+    for (int i = 0; i < input.n; i++) {
+        mukca_compensator_start(&w->compensator, &w->arm, o->position_only);
+        MUKCA_TRY((w->from ? correct_program : correct_table)(w, input.items[i]));
+    }
+    return MUKCA_OK;
 }
 
 /* Write a program when all of it is known to be right: if no line was refused. */
 static mukca_status correct_whole(cli_call *call, FILE *stream)
 {
-    const tally *t = &((const job *)call->work)->tally;
+    const tally *t = &((const compensate_work *)call->work)->tally;
     char *text = NULL;
     size_t size;
     FILE *memory = open_memstream(&text, &size);
@@ -277,21 +264,21 @@ static mukca_status run(cli_call *call)
     const compensate_options *o = call->options;
     const cli_common *c = call->common;
     const cli_model *model = &call->session->model;
-    job *b = call->work;
+    compensate_work *w = call->work;
     MUKCA_TRY(check_axes(call, o->from));
-    b->call = call;
-    b->from = o->from ? mukca_languages[o->from - 1] : NULL;
-    b->arm.chain = model->chain;
-    b->arm.geometry = model->geometry;
-    b->arm.n_effects = model->offsets.n_effects;
-    memcpy(b->arm.effects, model->offsets.effects, sizeof b->arm.effects);
+    w->call = call;
+    w->from = o->from ? mukca_languages[o->from - 1] : NULL;
+    w->arm.chain = model->chain;
+    w->arm.geometry = model->geometry;
+    w->arm.n_effects = model->offsets.n_effects;
+    memcpy(w->arm.effects, model->offsets.effects, sizeof w->arm.effects);
     if (!c->arm.offsets)
         cli_note(call, "no --offsets: targets are those of the nominal model; no correction");
-    mukca_offsets_note_history(&model->offsets, &b->arm.chain,
+    mukca_offsets_note_history(&model->offsets, &w->arm.chain,
                                "applied to the rows as to a recording that begins with the first, "
                                "not to the arm in use",
                                cli_notes(call));
-    cli_writer *const correct = b->from ? correct_whole : correct_all;
+    cli_writer *const correct = w->from ? correct_whole : correct_all;
     if (c->json && strcmp(c->json, "-") == 0 && !c->output)
         return cli_write(call, "/dev/null", correct);
     return cli_write_table(call, correct);
@@ -318,5 +305,5 @@ const cli_command cli_command_compensate = {
     .run = run,
     .json = as_json,
     .print = print,
-    .work_size = sizeof(job),
+    .work_size = sizeof(compensate_work),
 };

@@ -1,5 +1,13 @@
 /* mukca diagnose: identify and quantify the causes of the remaining error. */
 #include "cli/diagnose.h"
+
+#include <libgen.h>
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include "cli/scores.h"
 #include "diagnose/diagnose.h"
 #include "fit/mismatch.h"
@@ -18,12 +26,12 @@ static const cli_option options[] = {
     CLI_OPTION(
         diagnose_options, summary, "summary", CLI_OUTPUT, "FILE",
         "write a summary of the data on effects shared by arms of this model (for mukca fleet)"),
-    CLI_OPTION_AND(diagnose_options, arm, "arm", CLI_TEXT, "NAME",
-                   "label of the arm in the summary (default: the name of the data's folder)",
-                   .needs = "summary"),
-    CLI_OPTION_AND(diagnose_options, traits_only, "traits-only", CLI_FLAG, NULL,
-                   "elastic coefficients: the means of --traits, nothing of this arm",
-                   .needs = "traits"),
+    CLI_OPTION(diagnose_options, arm, "arm", CLI_TEXT, "NAME",
+               "label of the arm in the summary (default: the name of the data's folder)",
+               .needs = "summary"),
+    CLI_OPTION(diagnose_options, traits_only, "traits-only", CLI_FLAG, NULL,
+               "elastic coefficients: the means of --traits, nothing of this arm",
+               .needs = "traits"),
     CLI_OUTPUT_OPTION("write the offsets table: geometry and causes"),
     {.name = NULL}};
 
@@ -54,7 +62,7 @@ mukca_status cli_diagnosis_run(cli_call *call, cli_diagnosis *d)
     d->options.free_base = c->free_base;
     d->options.free_tool = c->free_tool || several;
     d->options.applied = true;
-    d->options.threads = cli_threads(call);
+    d->options.threads = c->threads;
     d->options.progress = cli_show_progress;
     d->options.progress_context = call;
     d->result = (mukca_diagnosed){.diagnosis = &d->diagnosis,
@@ -63,21 +71,55 @@ mukca_status cli_diagnosis_run(cli_call *call, cli_diagnosis *d)
                                   .test = d->options.test,
                                   .next = &d->next,
                                   .saved = c->output != NULL};
-    mukca_status status = cli_check_moving(call, &s->data, false);
+    const mukca_status status = cli_check_moving(call, &s->data, false);
     if (status == MUKCA_UNIDENTIFIABLE)
         cli_note(call, "%s", error->text); /* why it is untestable */
     if (status == MUKCA_MEMORY) return status;
     *error = (mukca_error){.status = MUKCA_OK};
-    status = mukca_diagnose(&d->diagnosis, chain, &s->data, &d->options, error);
-    if (status == MUKCA_OK)
-        status = mukca_next_poses_choose(&d->next, &d->diagnosis, chain, &s->data, cli_stop, error);
-    return status;
+    MUKCA_TRY(mukca_diagnose(&d->diagnosis, chain, &s->data, &d->options, error));
+    return mukca_next_poses_choose(&d->next, &d->diagnosis, chain, &s->data, cli_stop, error);
 }
 
 void cli_diagnosis_free(cli_diagnosis *d)
 {
     mukca_plan_free(&d->next.plan);
     mukca_diagnosis_free(&d->diagnosis);
+}
+
+/* ---- label of the arm ---- */
+
+/* Name of the arm's folder: `path` if it contains placements, else the folder that contains it. */
+static bool folder_of(char name[MUKCA_NAME_SIZE], const char *path)
+{
+    char whole[PATH_MAX], socket[PATH_MAX + 16];
+    struct stat about;
+    if (!realpath(path, whole) || stat(whole, &about) != 0) return false;
+    snprintf(socket, sizeof socket, "%s/hole_0.csv", whole);
+    const bool placements = S_ISDIR(about.st_mode) && access(socket, F_OK) != 0;
+    const char *folder = basename(placements ? whole : dirname(whole));
+    if (!*folder || *folder == '/' || strlen(folder) >= MUKCA_NAME_SIZE) return false;
+    memcpy(name, folder, strlen(folder) + 1);
+    return true;
+}
+
+/* The label of the arm: `given`, else the name of the data's folder. */
+static mukca_status find_label(char label[MUKCA_NAME_SIZE], cli_call *call, const char *given)
+{
+    char other[MUKCA_NAME_SIZE] = "";
+    if (given) {
+        if (!*given || strlen(given) >= MUKCA_NAME_SIZE || strpbrk(given, "\t\r\n"))
+            return cli_fail(call, MUKCA_USAGE,
+                            "--arm: the label must have 1 to 63 bytes and no tab or line feed");
+        memcpy(label, given, strlen(given) + 1);
+        return MUKCA_OK;
+    }
+    for (int i = 0; i < call->arguments.n; i++)
+        if (!folder_of(i ? other : label, call->arguments.items[i]) ||
+            (i && strcmp(other, label) != 0))
+            return cli_fail(
+                call, MUKCA_USAGE,
+                "the data do not lie in one folder that could name the arm; give --arm NAME");
+    return MUKCA_OK;
 }
 
 /* ---- the command ---- */
@@ -94,22 +136,18 @@ static void release(void *work)
     cli_diagnosis_free(&((diagnose_work *)work)->analysis);
 }
 
-/* Form the offsets table and its verdict; write it to -o. */
-static mukca_status write_offsets(cli_call *call, cli_diagnosis *analysis)
+static mukca_status write_offsets(cli_call *call, FILE *stream)
 {
+    const cli_diagnosis *analysis = &((const diagnose_work *)call->work)->analysis;
     const mukca_diagnosis *d = &analysis->diagnosis;
     char comments[512];
-    if (!call->common->output && !d->applied.fitted) return MUKCA_OK;
-    MUKCA_TRY(cli_diagnosis_offsets(call, analysis));
-    analysis->result.acceptance = &analysis->offsets.acceptance;
-    if (!call->common->output) return MUKCA_OK;
     snprintf(comments, sizeof comments,
              "diagnosis: %s; held-out mean error: %.4g m geometry, %.4g m with the effects\n"
              "sigma: standard error; identifiable: the data at least halved the prior uncertainty\n"
              "effects: the arm moves as if the joints were at the recorded angles + effects",
              mukca_verdict_name[d->verdict], d->geometry_m, d->applied_m);
-    return cli_write_offsets(call, call->common->output, &analysis->offsets, &analysis->chain,
-                             analysis->result.data, comments);
+    return mukca_offsets_write(stream, &analysis->offsets, &analysis->chain, analysis->result.data,
+                               comments, &call->error);
 }
 
 /* Analyses that need the regression: summary and traits, with the diagnosed causes. */
@@ -119,9 +157,8 @@ static mukca_status go_on(void *context, struct mukca_regression *m, mukca_diagn
     cli_call *call = context;
     const diagnose_options *o = call->options;
     diagnose_work *w = call->work;
-    mukca_status status = MUKCA_OK;
-    if (o->summary) status = mukca_summary_take(&w->summary, m, error);
-    if (status != MUKCA_OK || !o->common.traits) return status;
+    MUKCA_TRY(o->summary ? mukca_summary_take(&w->summary, m, error) : MUKCA_OK);
+    if (!o->common.traits) return MUKCA_OK;
     w->adoption = (mukca_adoption){.traits = &call->session->traits,
                                    .test = call->session->test.n_rows ? &call->session->test : NULL,
                                    .only = o->traits_only};
@@ -151,13 +188,15 @@ static mukca_status run(cli_call *call)
 {
     const diagnose_options *o = call->options;
     diagnose_work *w = call->work;
-    mukca_status status = MUKCA_OK;
-    if (o->summary) status = cli_arm_label(call, w->summary.arm, o->arm);
+    MUKCA_TRY(o->summary ? find_label(w->summary.arm, call, o->arm) : MUKCA_OK);
     w->analysis.options =
         (mukca_diagnose_options){.disabled = w->disabled, .go_on = go_on, .go_on_context = call};
-    if (status == MUKCA_OK) status = cli_diagnosis_run(call, &w->analysis);
-    if (status == MUKCA_OK && o->summary) status = cli_write(call, o->summary, write_summary);
-    return status == MUKCA_OK ? write_offsets(call, &w->analysis) : status;
+    MUKCA_TRY(cli_diagnosis_run(call, &w->analysis));
+    MUKCA_TRY(cli_write(call, o->summary, write_summary));
+    if (!o->common.output && !w->analysis.diagnosis.applied.fitted) return MUKCA_OK;
+    MUKCA_TRY(cli_diagnosis_make_offsets(call, &w->analysis));
+    w->analysis.result.acceptance = &w->analysis.offsets.acceptance;
+    return cli_write(call, o->common.output, write_offsets);
 }
 
 /* With the errors of the fit with traits, if it was adopted. */
@@ -166,8 +205,7 @@ static json_t *as_json(const cli_call *call)
     const diagnose_work *w = call->work;
     const mukca_diagnosed *r = &w->analysis.result;
     const mukca_adoption *a = &w->adoption;
-    json_t *json = cli_diagnosis_json(r),
-           *traits = a->traits ? cli_adoption_json(a, r->diagnosis, r->chain) : NULL;
+    json_t *json = cli_diagnosis_json(r), *traits = a->traits ? cli_adoption_json(a, r) : NULL;
     json_object_update_new(json, cli_json(KEY("acceptance", cli_json_acceptance(r->acceptance)),
                                           KEY("traits", traits)));
     return json;
@@ -185,7 +223,7 @@ static mukca_status print(cli_call *call)
     if (answer)
         cli_print_mismatch(call, &s->data, w->analysis.options.free_base,
                            w->analysis.options.free_tool);
-    if (w->adoption.traits) cli_adoption_print(call, &w->adoption, d, &s->model.chain);
+    if (w->adoption.traits) cli_adoption_print(call, &w->adoption, &w->analysis.result);
     if (call->common->output && !w->analysis.offsets.acceptance.accepted) return MUKCA_NEGATIVE;
     for (int i = 0; i < d->n_causes; i++)
         if ((int)d->causes[i].effect.kind == expected) return MUKCA_OK;

@@ -11,7 +11,7 @@ typedef struct {
     mukca_diagnose_options options; /* input: disabled, go_on and its context */
     mukca_diagnosis diagnosis;
     mukca_next_poses next;
-    mukca_offsets offsets; /* of cli_diagnosis_offsets */
+    mukca_offsets offsets; /* of cli_diagnosis_make_offsets */
     mukca_chain chain;     /* of these offsets: the arm's, preceded by the tracker's frame if that
                               was fitted */
     mukca_diagnosed result;
@@ -30,19 +30,12 @@ void cli_diagnosis_print(FILE *stream, const mukca_diagnosed *result, bool detai
 /* Offsets table of a diagnosis: geometry with standard errors, the causes that act on the arm, the
  * verdict.  Causes that need masses which the arm lacks are left out, with a note.  Errors:
  * MUKCA_UNIDENTIFIABLE (nothing was fitted), MUKCA_INPUT. */
-mukca_status cli_diagnosis_offsets(cli_call *call, cli_diagnosis *diagnosis);
+mukca_status cli_diagnosis_make_offsets(cli_call *call, cli_diagnosis *diagnosis);
 
-/* ---- summaries for the fleet and its traits (traits.c) ---- */
-
-/* The label of the arm: `given`, else the name of the data's folder.  Errors: MUKCA_USAGE (data of
- * several folders, no usable name). */
-mukca_status cli_arm_label(cli_call *call, char label[MUKCA_NAME_SIZE], const char *given);
-
-/* Contributions of the fleet and of this arm, on the screen and as JSON. */
+/* Contributions of the fleet's traits and of this arm, on the screen and as JSON. */
 void cli_adoption_print(cli_call *call, const mukca_adoption *adoption,
-                        const mukca_diagnosis *diagnosis, const mukca_chain *chain);
-json_t *cli_adoption_json(const mukca_adoption *adoption, const mukca_diagnosis *diagnosis,
-                          const mukca_chain *chain);
+                        const mukca_diagnosed *result);
+json_t *cli_adoption_json(const mukca_adoption *adoption, const mukca_diagnosed *result);
 
 /* Read the summaries of all arguments, for the commands fleet and report. */
 mukca_status cli_fleet_read(cli_call *call, mukca_fleet *fleet);

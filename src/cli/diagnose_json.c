@@ -29,7 +29,7 @@ static json_t *list(const mukca_diagnosed *r, const void *items, int n, size_t s
     return array;
 }
 
-static json_t *shrink(const mukca_shrink *s)
+static json_t *shrink_json(const mukca_shrink *s)
 {
     if (!isfinite(s->before_m)) return NULL;
     return cli_json(FIELD(s, before_m), FIELD(s, after_m), FIELD(s, shrink_percent),
@@ -37,7 +37,7 @@ static json_t *shrink(const mukca_shrink *s)
                     FIELD(s, folds_better), FIELD(s, folds));
 }
 
-static json_t *set(const mukca_diagnosed *r, const void *item)
+static json_t *set_json(const mukca_diagnosed *r, const void *item)
 {
     const mukca_cause_set *s = item;
     json_t *causes = json_array();
@@ -57,7 +57,7 @@ static json_t *set(const mukca_diagnosed *r, const void *item)
     return cli_json(FIELD(s, probability), KEY("causes", causes));
 }
 
-static json_t *cause(const mukca_diagnosed *r, const void *item)
+static json_t *cause_json(const mukca_diagnosed *r, const void *item)
 {
     const mukca_cause *c = item;
     const mukca_effect_site site = mukca_effect_table[c->effect.kind]->site;
@@ -78,11 +78,11 @@ static json_t *cause(const mukca_diagnosed *r, const void *item)
         FIELD(c, amplitude), KEY("unit", mukca_effect_unit(&c->effect, r->chain)),
         KEY("ci95", cli_json_interval(c->low, c->high)), FIELD(c, log_bayes_factor),
         FIELD(c, probability), KEY("ties", ties), FIELD(c, or_unknown),
-        KEY("held_out", shrink(&c->held_out)), KEY("cumulative_m", c->rung_m),
+        KEY("held_out", shrink_json(&c->held_out)), KEY("cumulative_m", c->rung_m),
         KEY("remedy", mukca_wording_remedy(c, r)));
 }
 
-static json_t *alternative(const mukca_diagnosed *r, const void *item)
+static json_t *alternative_json(const mukca_diagnosed *r, const void *item)
 {
     const mukca_alternative *a = item;
     const bool ordered = mukca_effect_has((int)a->effect.kind, MUKCA_TRAIT_ORDERS);
@@ -99,7 +99,7 @@ static json_t *alternative(const mukca_diagnosed *r, const void *item)
                     KEY("ci95", cli_json_estimate(&a->amplitude)));
 }
 
-static json_t *coefficient(const mukca_diagnosed *r, const mukca_finding *f)
+static json_t *coefficient_json(const mukca_diagnosed *r, const mukca_finding *f)
 {
     if (!isfinite(f->coefficient.value)) return NULL;
     return cli_json(KEY("value", f->coefficient.value),
@@ -107,7 +107,7 @@ static json_t *coefficient(const mukca_diagnosed *r, const mukca_finding *f)
                     KEY("ci95", cli_json_estimate(&f->coefficient)));
 }
 
-static json_t *finding(const mukca_diagnosed *r, const void *item)
+static json_t *finding_json(const mukca_diagnosed *r, const void *item)
 {
     const mukca_finding *f = item;
     static const char *const kinds[] = {"effect", "effect", "family", "tie", "place"};
@@ -126,12 +126,12 @@ static json_t *finding(const mukca_diagnosed *r, const void *item)
         KEY("halves_against", g->against), KEY("beside_finer", g->n_finer > 0),
         FIELD(g, beside_unknown), KEY("size_m", f->size_m.value),
         KEY("size_ci95_m", cli_json_estimate(&f->size_m)), FIELD(f, share),
-        KEY("held_out", shrink(&f->held_out)), KEY("coefficient", coefficient(r, f)),
-        KEY("alternatives", LIST(f->alternatives, f->n_alternatives, alternative)),
+        KEY("held_out", shrink_json(&f->held_out)), KEY("coefficient", coefficient_json(r, f)),
+        KEY("alternatives", LIST(f->alternatives, f->n_alternatives, alternative_json)),
         KEY("sentence", mukca_wording_finding(MUKCA_WORDS, f, r)));
 }
 
-static json_t *fault(const mukca_diagnosed *r, const void *item)
+static json_t *fault_json(const mukca_diagnosed *r, const void *item)
 {
     const mukca_data_fault *f = item;
     return cli_json(KEY("kind", mukca_fault_name[f->kind]), PLACEMENT(f->placement),
@@ -139,7 +139,7 @@ static json_t *fault(const mukca_diagnosed *r, const void *item)
                     KEY("file", r->data->files ? r->data->files[f->file] : NULL), FIELD(f, size_m));
 }
 
-static json_t *tested(const mukca_diagnosed *r, const void *item)
+static json_t *tested_json(const mukca_diagnosed *r, const void *item)
 {
     const mukca_tested *t = item;
     return cli_json(EFFECT(t->effect), JOINT(t->joint), FIELD(t, log_bayes_factor),
@@ -147,14 +147,14 @@ static json_t *tested(const mukca_diagnosed *r, const void *item)
                     FIELD(t, why));
 }
 
-static json_t *where_joint(const mukca_diagnosed *r, const void *item)
+static json_t *where_json(const mukca_diagnosed *r, const void *item)
 {
     const mukca_where *w = item;
     return cli_json(JOINT(w->joint), FIELD(w, share),
                     KEY("range_rad", cli_json_reals(w->range_rad, 2)));
 }
 
-static json_t *placements(const double *mae, int n, const mukca_dataset *data)
+static json_t *placements_json(const double *mae, int n, const mukca_dataset *data)
 {
     json_t *array = json_array();
     for (int p = 0; mae && p < n; p++)
@@ -164,7 +164,7 @@ static json_t *placements(const double *mae, int n, const mukca_dataset *data)
 
 /* A posture, q in the order of the chain's joints, rad or m, and the two causes that it
  * distinguishes. */
-static json_t *next_pose(const mukca_diagnosed *r, const void *item)
+static json_t *next_pose_json(const mukca_diagnosed *r, const void *item)
 {
     const mukca_next_poses *next = r->next;
     const mukca_plan_row *row = item;
@@ -179,7 +179,7 @@ static json_t *next_pose(const mukca_diagnosed *r, const void *item)
 }
 
 /* Several pose logs: the frames that differ between them. */
-static json_t *logs_object(const mukca_logs *logs)
+static json_t *logs_json(const mukca_logs *logs)
 {
     const double *evidence = logs->log_evidence;
     if (logs->n < 2) return NULL;
@@ -190,7 +190,7 @@ static json_t *logs_object(const mukca_logs *logs)
 }
 
 /* Comparison of the two streams of angles at a joint. */
-static json_t *stream(const mukca_diagnosed *r, const void *item)
+static json_t *stream_json(const mukca_diagnosed *r, const void *item)
 {
     const mukca_stream_difference *difference = item;
     return cli_json(JOINT((int)(difference - r->diagnosis->streams.joint)), FIELD(difference, rows),
@@ -210,28 +210,28 @@ json_t *cli_diagnosis_json(const mukca_diagnosed *r)
     for (int j = 0; j < r->chain->n_joints; j++)
         json_array_append_new(names, cli_json_text(mukca_chain_joint_name(r->chain, j)));
     if (r->test)
-        test = cli_json(
-            KEY("nominal_m", d->test_nominal_m), KEY("geometry_m", d->test_geometry_m),
-            KEY("explained_m", d->test_applied_m),
-            KEY("placements", placements(d->test_placement_mae_m, d->n_test_placements, r->test)));
+        test = cli_json(KEY("nominal_m", d->test_nominal_m), KEY("geometry_m", d->test_geometry_m),
+                        KEY("explained_m", d->test_applied_m),
+                        KEY("placements", placements_json(d->test_placement_mae_m,
+                                                          d->n_test_placements, r->test)));
     if (s->n_joints)
         streams = cli_json(KEY("fitted", r->data->by_command ? "command" : "reading"),
                            FIELD(s, sigma_reading_m), FIELD(s, sigma_command_m),
-                           KEY("joints", LIST(s->joint, s->n_joints, stream)));
+                           KEY("joints", LIST(s->joint, s->n_joints, stream_json)));
     return cli_json(
         KEY("verdict", mukca_verdict_name[d->verdict]), FIELD(d, unexplained),
-        KEY("causes", LIST(d->causes, d->n_causes, cause)),
-        KEY("data_faults", LIST(d->faults, d->n_faults, fault)),
+        KEY("causes", LIST(d->causes, d->n_causes, cause_json)),
+        KEY("data_faults", LIST(d->faults, d->n_faults, fault_json)),
         KEY("gap", cli_json(FIELD(d, nominal_m), FIELD(d, geometry_m), FIELD(d, faults_excused_m),
                             KEY("explained_m", d->applied_m), KEY("with_unknown_m", d->structure_m),
                             FIELD(d, noise_floor_m), FIELD(d, folds),
-                            KEY("held_out", shrink(&d->held_out)))),
+                            KEY("held_out", shrink_json(&d->held_out)))),
         KEY("test", test),
-        KEY("where", cli_json(KEY("joints", LIST(d->where, d->n_where, where_joint)),
-                              KEY("placements",
-                                  placements(d->placement_mae_m, r->data->n_placements, r->data)),
+        KEY("where", cli_json(KEY("joints", LIST(d->where, d->n_where, where_json)),
+                              KEY("placements", placements_json(d->placement_mae_m,
+                                                                r->data->n_placements, r->data)),
                               KEY("axes", cli_json_reals(d->axis_rms_m, 3)))),
-        KEY("tested", LIST(d->tested, d->n_tested, tested)),
+        KEY("tested", LIST(d->tested, d->n_tested, tested_json)),
         KEY("noise", cli_json(FIELD(d, sigma_m), KEY("lag_one_correlation", d->rho),
                               KEY("shared_by_posture", d->shared))),
         KEY("joints", names),
@@ -239,15 +239,39 @@ json_t *cli_diagnosis_json(const mukca_diagnosed *r)
                    : *caveat ? caveat
                              : NULL),
         KEY("sentence", mukca_wording_verdict(MUKCA_WORDS, r)),
-        KEY("findings", LIST(d->findings, d->n_findings, finding)),
-        KEY("maybe", LIST(d->maybe, d->n_maybe, finding)),
-        KEY("suspected", LIST(d->suspected, d->n_suspected, cause)),
-        KEY("sets", LIST(d->sets, d->n_sets, set)),
+        KEY("findings", LIST(d->findings, d->n_findings, finding_json)),
+        KEY("maybe", LIST(d->maybe, d->n_maybe, finding_json)),
+        KEY("suspected", LIST(d->suspected, d->n_suspected, cause_json)),
+        KEY("sets", LIST(d->sets, d->n_sets, set_json)),
         KEY("unexplained_log_bayes_factor", d->structure),
         KEY("unnamed_m", d->applied_m - d->structure_m), FIELD(d, efforts_correlation),
         KEY("efforts_turned", d->turned_efforts), KEY("streams", streams),
-        KEY("logs", logs_object(&d->logs)),
+        KEY("logs", logs_json(&d->logs)),
         KEY("next_poses", LIST(next ? next->plan.rows : NULL,
-                               next && next->finding >= 0 ? next->plan.n_rows : 0, next_pose)),
+                               next && next->finding >= 0 ? next->plan.n_rows : 0, next_pose_json)),
         FIELD(d, elapsed_s));
+}
+
+json_t *cli_adoption_json(const mukca_adoption *a, const mukca_diagnosed *r)
+{
+    const mukca_diagnosis *d = r->diagnosis;
+    json_t *elastic = json_array(), *orders = json_array();
+    for (int i = 0; i < a->n; i++) {
+        const mukca_inherited *c = &a->list[i];
+        const mukca_trait *t = c->trait;
+        cli_json_append(elastic, EFFECT(t->effect.kind), JOINT(t->effect.joint), FIELD(c, value),
+                        KEY("ci95", cli_json_interval(c->low, c->high)), FIELD(t, mean),
+                        FIELD(t, spread), FIELD(t, probability), FIELD(c, own_share));
+    }
+    for (int i = 0; i < a->traits->n; i++) {
+        const mukca_effect *e = &a->traits->list[i].effect;
+        if (!mukca_effect_has((int)e->kind, MUKCA_TRAIT_ORDERS)) continue;
+        cli_json_append(orders, JOINT(e->joint), KEY("order", e->variant.order),
+                        KEY("probability", a->traits->list[i].probability));
+    }
+    return cli_json(KEY("log_bayes_factor", a->log_evidence), KEY("explained_m", d->applied_m),
+                    KEY("without_m", d->explained_m), KEY("test_explained_m", d->test_applied_m),
+                    KEY("test_without_m", d->test_explained_m), KEY("used", a->adopted),
+                    FIELD(a, only), KEY("arms", a->traits->n_arms), KEY("effects", elastic),
+                    KEY("orders", orders));
 }

@@ -97,7 +97,7 @@ static mukca_status judge(cli_call *call, cli_diagnosis *analysis)
         &call->error);
 }
 
-mukca_status cli_diagnosis_offsets(cli_call *call, cli_diagnosis *d)
+mukca_status cli_diagnosis_make_offsets(cli_call *call, cli_diagnosis *d)
 {
     const mukca_diagnosed *r = &d->result;
     const mukca_applied *a = &d->diagnosis.applied;
@@ -108,9 +108,7 @@ mukca_status cli_diagnosis_offsets(cli_call *call, cli_diagnosis *d)
     if (!a->fitted)
         return mukca_fail(error, MUKCA_UNIDENTIFIABLE,
                           "no offsets to write: these samples are too few to fit anything");
-    mukca_status status =
-        mukca_chain_with_frames(&d->chain, d->diagnosis.chain, base, false, error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(mukca_chain_with_frames(&d->chain, d->diagnosis.chain, base, false, error));
     mukca_offsets_init(o, &d->chain);
     mukca_offsets_set_placements(o, r->data);
     fill_geometry(o, a, d->diagnosis.chain, base);

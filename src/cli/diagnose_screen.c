@@ -2,6 +2,7 @@
  * with -v. */
 #include <math.h>
 
+#include "base/text.h"
 #include "cli/diagnose.h"
 
 #define put mukca_wording_put /* short for this file */
@@ -125,4 +126,63 @@ void cli_diagnosis_print(FILE *stream, const mukca_diagnosed *r, bool details)
     }
     fputc('\n', stream);
     cli_print_keyed(stream, "Next", mukca_wording_next(MUKCA_WORDS, r));
+}
+
+/* ---- traits of the fleet ---- */
+
+/* Log Bayes factor of 1 to 20, strong evidence (R. Kass, A. Raftery, J. Am. Stat. Assoc. 90,
+ * 1995); weaker evidence is no contradiction. */
+#define CONTRADICTION (-3.)
+
+static void put_coefficient(mukca_text *text, const mukca_inherited *c, const mukca_chain *chain)
+{
+    char words[MUKCA_WORDING];
+    const mukca_trait *t = c->trait;
+    const double f = 1e6; /* urad per rad */
+    mukca_wording_effect(words, t->effect.kind, mukca_chain_joint_name(chain, t->effect.joint));
+    mukca_text_put(
+        text, "%s, %.3g urad/(N·m) [%.3g, %.3g]; fleet %.3g ± %.2g; %.0f %% from this arm", words,
+        f * c->value, f * c->low, f * c->high, f * t->mean, f * t->spread, 100 * c->own_share);
+}
+
+void cli_adoption_print(cli_call *call, const mukca_adoption *a, const mukca_diagnosed *r)
+{
+    const mukca_diagnosis *d = r->diagnosis;
+    char line[1024] = "";
+    mukca_text text = MUKCA_TEXT(line);
+    int shown = 0;
+    if (a->traits->n == 0) {
+        cli_say(call, "Fleet", "the traits table of %d arms is empty: they share nothing",
+                a->traits->n_arms);
+        return;
+    }
+    if (!a->adopted) {
+        cli_say(call, "Fleet",
+                a->log_evidence < CONTRADICTION
+                    ? "the traits of %d arms contradict this arm's data (log Bayes factor %.1f) "
+                      "and are not used. Are they of this model, and are the link masses right?"
+                    : "the traits of %d arms explain this arm's data less well than its own fit "
+                      "(log Bayes factor %.1f) and are not used",
+                a->traits->n_arms, a->log_evidence);
+        return;
+    }
+    cli_say(call, "Fleet",
+            a->only ? "only the means of %d arms' traits, nothing elastic of this arm (log Bayes "
+                      "factor %.1f against its own fit)"
+                    : "the traits of %d arms are the prior; this arm's data agree (log Bayes "
+                      "factor %.1f against its own fit)",
+            a->traits->n_arms, a->log_evidence);
+    for (int i = 0; i < a->n; i++) {
+        const mukca_inherited *c = &a->list[i];
+        if (!(c->trait->probability > 0.5)) continue; /* others only in the JSON */
+        put_coefficient(&text, c, r->chain);
+        cli_say(call, shown++ ? "" : "Elastic", "%s", line);
+        line[text.used = 0] = '\0';
+    }
+    if (isfinite(d->applied_m))
+        cli_say(call, "Error", "held out, with the traits %.3f mm (without %.3f mm)",
+                1e3 * d->applied_m, 1e3 * d->explained_m);
+    if (isfinite(d->test_geometry_m))
+        cli_say(call, "", "test data, with the traits %.3f mm (without %.3f mm)",
+                1e3 * d->test_applied_m, 1e3 * d->test_explained_m);
 }

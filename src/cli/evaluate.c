@@ -90,12 +90,11 @@ static mukca_status load_model(cli_call *call, cli_model *model)
     cli_arm arm = call->common->arm;
     const char *offsets = arm.offsets;
     arm.offsets = NULL;
-    mukca_status status = cli_load_model(call, model, &arm);
-    if (status != MUKCA_OK || !offsets) return status;
+    MUKCA_TRY(cli_load_model(call, model, &arm));
+    if (!offsets) return MUKCA_OK;
     mukca_chain *chain = &model->chain;
-    status = mukca_chain_with_frames(chain, chain, true, true, &call->error);
-    if (status == MUKCA_OK) status = cli_read_offsets(call, &model->offsets, NULL, chain, offsets);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(mukca_chain_with_frames(chain, chain, true, true, &call->error));
+    MUKCA_TRY(cli_read_offsets(call, &model->offsets, NULL, chain, offsets));
     mukca_geometry_set(&model->geometry, chain, model->offsets.theta);
     return MUKCA_OK;
 }
@@ -105,18 +104,15 @@ static mukca_status run(cli_call *call)
     evaluate_work *w = call->work;
     cli_session *s = call->session;
     cli_model *model = &s->model;
-    mukca_status status = load_model(call, model);
-    if (status == MUKCA_OK) status = cli_load_data(call, &s->data, model, &call->arguments);
-    if (status == MUKCA_OK && call->common->test.n)
-        status = cli_load_data(call, &s->test, model, &call->common->test);
     const bool gate = ((const evaluate_options *)call->options)->max_mae > 0;
-    if (status == MUKCA_OK) status = cli_check_moving(call, &s->data, gate);
-    if (status == MUKCA_OK) status = cli_check_moving(call, &s->test, gate);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(load_model(call, model));
+    MUKCA_TRY(cli_load_data(call, &s->data, model, &call->arguments));
+    MUKCA_TRY(cli_load_data(call, &s->test, model, &call->common->test));
+    MUKCA_TRY(cli_check_moving(call, &s->data, gate));
+    MUKCA_TRY(cli_check_moving(call, &s->test, gate));
     w->scores.by_log = true;
     w->scores.calibrated = call->common->arm.offsets != NULL;
-    return cli_scores_make(call, &w->scores, &model->chain, model->offsets.theta, &model->offsets,
-                           "data");
+    return cli_scores_make(call, &w->scores, &model->chain, &model->offsets, "data");
 }
 
 const cli_command cli_command_evaluate = {

@@ -16,17 +16,16 @@ static const char *const formats[] = {
         NULL};
 
 static const cli_option options[] = {
-    CLI_OPTION_AND(export_options, format, "format", CLI_CHOICE, "FORMAT",
-                   "what to write (default: by the ending of the file's name, else urdf)",
-                   .choices = formats, .letter = 'f'),
-    CLI_OPTION_AND(export_options, into, "into", CLI_TEXT, "FILE",
-                   "your own URDF or MuJoCo model: replace the poses of the arm, found by names",
-                   .excludes = "format"),
-    CLI_OPTION_AND(
-        export_options, motion, "motion", CLI_INPUT, "FILE",
-        "the table of mukca motion: patch friction, armature and masses, in the model of "
-        "--into (default: the URDF), instead of poses",
-        .excludes = "format offsets"),
+    CLI_OPTION(export_options, format, "format", CLI_CHOICE, "FORMAT",
+               "what to write (default: by the ending of the file's name, else urdf)",
+               .choices = formats, .letter = 'f'),
+    CLI_OPTION(export_options, into, "into", CLI_TEXT, "FILE",
+               "your own URDF or MuJoCo model: replace the poses of the arm, found by names",
+               .excludes = "format"),
+    CLI_OPTION(export_options, motion, "motion", CLI_INPUT, "FILE",
+               "the table of mukca motion: patch friction, armature and masses, in the model of "
+               "--into (default: the URDF), instead of poses",
+               .excludes = "format offsets"),
     CLI_OUTPUT_OPTION("where to write it (default: standard output)"),
     {.name = NULL}};
 
@@ -53,11 +52,10 @@ static mukca_status check(cli_call *call)
 static mukca_status run(cli_call *call)
 {
     cli_session *s = call->session;
-    mukca_status status = MUKCA_OK;
-    if (call->arguments.n) /* its chain still has the factory's origins */
-        status = cli_load_data(call, &s->data, &s->model, &call->arguments);
+    /* while the chain still has the factory's origins */
+    MUKCA_TRY(cli_load_data(call, &s->data, &s->model, &call->arguments));
     s->model.chain = s->model.urdf; /* the exported origins replace the URDF's */
-    return status;
+    return MUKCA_OK;
 }
 
 static mukca_status write_model(cli_call *call, FILE *stream)

@@ -64,10 +64,8 @@ static mukca_status convert(cli_call *call, FILE *stream, const char *path, bool
 static mukca_status write_tips(cli_call *call, FILE *stream)
 {
     const cli_list input = cli_inputs(call);
-    mukca_status status = MUKCA_OK;
-    for (int i = 0; i < input.n && status == MUKCA_OK; i++)
-        status = convert(call, stream, input.items[i], i == 0);
-    return status;
+    for (int i = 0; i < input.n; i++) MUKCA_TRY(convert(call, stream, input.items[i], i == 0));
+    return MUKCA_OK;
 }
 
 const cli_command cli_command_fk = {

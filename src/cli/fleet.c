@@ -10,9 +10,9 @@ typedef struct {
 
 static const cli_option options[] = {
     CLI_OUTPUT_OPTION("write the traits table; with --partial, the summary of summaries"),
-    CLI_OPTION_AND(fleet_options, partial, "partial", CLI_FLAG, NULL,
-                   "join the summaries into one file (-o) for a later mukca fleet; pool nothing",
-                   .needs = "output", .excludes = "json"),
+    CLI_OPTION(fleet_options, partial, "partial", CLI_FLAG, NULL,
+               "join the summaries into one file (-o) for a later mukca fleet; pool nothing",
+               .needs = "output", .excludes = "json"),
     {.name = NULL}};
 
 static void release(void *fleet)
@@ -22,35 +22,32 @@ static void release(void *fleet)
 
 mukca_status cli_fleet_read(cli_call *call, mukca_fleet *f)
 {
-    mukca_status status = MUKCA_OK;
-    for (int i = 0; i < call->arguments.n && status == MUKCA_OK; i++) {
-        if (cli_interrupted()) return cli_fail(call, MUKCA_INTERRUPTED, "interrupted");
-        cli_progress(call, "reading summaries", i, call->arguments.n);
-        status = mukca_summary_read(f, call->arguments.items[i], &call->error);
+    for (int i = 0; i < call->arguments.n; i++) {
+        if (!cli_show_progress(call, (double)i / call->arguments.n, "reading summaries"))
+            return cli_fail(call, MUKCA_INTERRUPTED, "interrupted");
+        MUKCA_TRY(mukca_summary_read(f, call->arguments.items[i], &call->error));
     }
-    return status == MUKCA_OK ? mukca_fleet_gather(f, &call->error) : status;
+    return mukca_fleet_gather(f, &call->error);
 }
 
 static mukca_status write_traits(cli_call *call, FILE *stream)
 {
     const fleet_options *o = call->options;
     const mukca_fleet *f = call->work;
-    mukca_status status = MUKCA_OK;
     /* the bytes of a partial file do not depend on previous merges: its lines are sorted */
-    for (int s = 0; o->partial && s < f->n_sessions && status == MUKCA_OK; s++)
-        status = mukca_summary_write(stream, f->session[s], &call->error);
+    for (int s = 0; o->partial && s < f->n_sessions; s++)
+        MUKCA_TRY(mukca_summary_write(stream, f->session[s], &call->error));
     if (!o->partial) mukca_traits_write(stream, &f->traits);
-    return status;
+    return MUKCA_OK;
 }
 
 static mukca_status run(cli_call *call)
 {
     const fleet_options *o = call->options;
-    const char *output = call->common->output;
     mukca_fleet *f = call->work;
-    mukca_status status = cli_fleet_read(call, f);
-    if (status == MUKCA_OK && !o->partial) status = mukca_fleet_pool(f, &call->error);
-    return status == MUKCA_OK && output ? cli_write(call, output, write_traits) : status;
+    MUKCA_TRY(cli_fleet_read(call, f));
+    MUKCA_TRY(o->partial ? MUKCA_OK : mukca_fleet_pool(f, &call->error));
+    return cli_write(call, call->common->output, write_traits);
 }
 
 /* ---- JSON ---- */
@@ -60,7 +57,7 @@ static const char *joint_name(const mukca_fleet *f, int joint)
     return joint < 0 ? NULL : f->model.joint[joint];
 }
 
-static json_t *trait_object(const mukca_trait *t, const mukca_fleet *f)
+static json_t *trait_json(const mukca_trait *t, const mukca_fleet *f)
 {
     const mukca_effect_info *info = mukca_effect_table[t->effect.kind];
     return cli_json(FIELD(t, mean), FIELD(t, spread), FIELD(t, error), FIELD(t, value),
@@ -70,7 +67,7 @@ static json_t *trait_object(const mukca_trait *t, const mukca_fleet *f)
                     FIELD(t, arms), KEY("ci95", cli_json_interval(t->low, t->high)));
 }
 
-static json_t *departure_object(const mukca_departure *d, const mukca_fleet *f)
+static json_t *departure_json(const mukca_departure *d, const mukca_fleet *f)
 {
     return cli_json(KEY("arm", f->arm[d->arm].name),
                     KEY("effect", mukca_effect_table[d->effect.kind]->name),
@@ -79,12 +76,12 @@ static json_t *departure_object(const mukca_departure *d, const mukca_fleet *f)
                     KEY("ci95", cli_json_interval(d->low, d->high)), FIELD(d, mean));
 }
 
-static json_t *arm_object(const mukca_fleet *f, int arm)
+static json_t *arm_json(const mukca_fleet *f, int arm)
 {
     json_t *effects = json_array();
     const int n = f->population.n;
     for (int k = 0; k < n && f->arm[arm].departure.k >= 0; k++)
-        json_array_append_new(effects, departure_object(&f->arm[arm].estimate[k], f));
+        json_array_append_new(effects, departure_json(&f->arm[arm].estimate[k], f));
     return cli_json(KEY("arm", f->arm[arm].name),
                     KEY("sessions", f->arm[arm].end - f->arm[arm].first),
                     KEY("samples", f->arm[arm].samples), KEY("effects", effects));
@@ -96,7 +93,7 @@ static json_t *as_json(const cli_call *call)
     json_t *effects = json_array(), *orders = json_array(), *departures = json_array(),
            *arms = json_array();
     for (int i = 0; i < f->traits.n; i++)
-        json_array_append_new(effects, trait_object(&f->traits.list[i], f));
+        json_array_append_new(effects, trait_json(&f->traits.list[i], f));
     for (int j = 0; j < f->model.n_joints; j++) {
         const mukca_trait *o = &f->order[j];
         if (o->effect.variant.order)
@@ -106,8 +103,8 @@ static json_t *as_json(const cli_call *call)
     }
     for (int a = 0; a < f->n_arms; a++) {
         if (f->arm[a].departure.probability >= MUKCA_DEPARTS)
-            json_array_append_new(departures, departure_object(&f->arm[a].departure, f));
-        json_array_append_new(arms, arm_object(f, a));
+            json_array_append_new(departures, departure_json(&f->arm[a].departure, f));
+        json_array_append_new(arms, arm_json(f, a));
     }
     return cli_json(KEY("robot", f->model.robot), FIELD(f, n_arms),
                     KEY("samples", f->traits.n_samples), KEY("effects", effects),

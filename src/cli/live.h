@@ -44,9 +44,10 @@ typedef struct {
         CLI_OPTION(type, live.recorder.map, "map", CLI_TEXT, "MAP",                                \
                    "which reading is which joint: name, order, or numbers as in 8-14 or 1,2,4 "    \
                    "(default: by name, else by order once you confirm it)"),                       \
-        CLI_CHOICE_OPTION(type, live.recorder.stream, "stream", "KIND", mukca_recorder_streams,    \
-                          "raw: readings of the encoders; corrected: the driver has added stored " \
-                          "offsets; recorded in the session (default: raw)"),                      \
+        CLI_OPTION(type, live.recorder.stream, "stream", CLI_CHOICE, "KIND",                       \
+                   "raw: readings of the encoders; corrected: the driver has added stored "        \
+                   "offsets; recorded in the session (default: raw)",                              \
+                   .choices = mukca_recorder_streams),                                             \
         CLI_OPTION(type, live.recorder.still, "still", CLI_FLAG, NULL,                             \
                    "record a sample whenever the arm stands still in a socket in a new posture"),  \
         CLI_OPTION(type, live.recorder.capture.dwell, "dwell", CLI_POSITIVE, "S",                  \

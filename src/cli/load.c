@@ -1,7 +1,5 @@
 /* Loading of the arm and the data given by the common options. */
-#define _GNU_SOURCE /* sched_getaffinity() */
 #include <math.h>
-#include <sched.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -10,7 +8,6 @@
 #include "cli/cli.h"
 #include "cli/scores.h"
 #include "fit/align.h"
-#include "fit/evaluate.h"
 #include "io/dataset.h"
 #include "io/urdf.h"
 #include "model/dataset_subset.h"
@@ -19,13 +16,6 @@
 /* Relative, of gravity: other values are in other units.  Coefficients of springs are inversely
  * proportional. */
 static const double rounding = 0.03;
-
-int cli_threads(const cli_call *call)
-{
-    cpu_set_t set;
-    if (call->common->threads) return call->common->threads;
-    return sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set) : 1;
-}
 
 mukca_status cli_read_offsets(cli_call *call, mukca_offsets *offsets, mukca_chain *embedded,
                               const mukca_chain *chain, const char *path)
@@ -52,6 +42,7 @@ mukca_status cli_read_offsets(cli_call *call, mukca_offsets *offsets, mukca_chai
 static mukca_status read_kinematics(cli_call *call, cli_model *model, const char *path)
 {
     mukca_kinematics *k = &model->kinematics;
+    if (!path) return MUKCA_OK;
     MUKCA_TRY(mukca_kinematics_read(k, path, &call->error));
     return mukca_kinematics_apply(&model->chain, k, path, cli_notes(call), &call->error);
 }
@@ -69,28 +60,31 @@ mukca_status cli_load_model(cli_call *call, cli_model *model, const cli_arm *arm
         return cli_fail(call, MUKCA_USAGE,
                         "--gravity: %g m/s^2 is not that of the earth; give m/s^2", g);
     memcpy(options.gravity, arm->gravity, sizeof options.gravity);
-    mukca_status status = mukca_urdf_load(&model->chain, arm->urdf, &options, &call->error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(mukca_urdf_load(&model->chain, arm->urdf, &options, &call->error));
     if (c->verbose)
         cli_log(call, "%s: robot %s, %s to %s, %d joints, %d masses, SHA-256 %.12s...\n", arm->urdf,
                 model->chain.robot, model->chain.base, model->chain.tip, model->chain.n_joints,
                 model->chain.n_masses, model->chain.urdf_sha256);
     model->urdf = model->chain;
-    if (arm->kinematics) status = read_kinematics(call, model, arm->kinematics);
-    if (status != MUKCA_OK) return status;
-    if (arm->offsets)
-        status = cli_read_offsets(call, &model->offsets, NULL, &model->chain, arm->offsets);
-    else
-        mukca_offsets_init(&model->offsets, &model->chain);
+    MUKCA_TRY(read_kinematics(call, model, arm->kinematics));
+    mukca_offsets_init(&model->offsets, &model->chain);
+    if (arm->offsets) {
+        MUKCA_TRY(cli_read_offsets(call, &model->offsets, NULL, &model->chain, arm->offsets));
+    }
     mukca_geometry_set(&model->geometry, &model->chain, model->offsets.theta);
-    if (status != MUKCA_OK || !c->traits) return status;
+    if (!c->traits) return MUKCA_OK;
     return mukca_traits_read(&call->session->traits, c->traits, &model->chain, &call->error);
 }
 
-/* Masses of --payload, payload[all]: of DATA, then of --test. */
-static mukca_status read_payload(double *payload, cli_call *call, int all)
+/* Masses of --payload: of DATA, or of --test, which follow. */
+static mukca_status read_payload(const double **masses, cli_call *call, bool test)
 {
     const char *text = call->common->payload;
+    const int all = call->arguments.n + call->common->test.n;
+    if (!text) return MUKCA_OK;
+    double *payload = MUKCA_TAKE(&call->pool, double, all + 1);
+    if (!payload) return cli_fail(call, MUKCA_MEMORY, "out of memory");
+    *masses = test ? payload + call->arguments.n : payload;
     const int n = cli_read_list(payload, all, text);
     for (int i = 0; i < n; i++)
         if (!(payload[i] >= 0 && payload[i] <= MUKCA_ROWS_MOST_PAYLOAD))
@@ -111,9 +105,11 @@ mukca_status cli_read_format(cli_call *call, mukca_rows_format *format)
     const cli_common *c = call->common;
     *format = (mukca_rows_format){.units = c->units,
                                   .columns = c->columns,
-                                  .by_order = c->map > 0,
+                                  .by_order = c->map != CLI_BY_NAME,
                                   .inverse = c->inverse_poses};
-    const char *rotation = c->rotation ? c->rotation : c->map == 2 ? "xyzw" : NULL;
+    const char *rotation = c->rotation                     ? c->rotation
+                           : c->map == CLI_BY_ORDER_W_LAST ? "xyzw"
+                                                           : NULL;
     if (rotation && !mukca_rotation_form_read(&format->rotation, rotation))
         return cli_fail(call, MUKCA_USAGE,
                         "--rotation %.40s: give angles as XYZ (intrinsic) or xyz (extrinsic), "
@@ -173,31 +169,25 @@ mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model 
     mukca_dataset_options options = {.distance = c->distance,
                                      .distances = c->distances,
                                      .distance_sigma = c->distance_sd,
-                                     .threads = cli_threads(call),
+                                     .threads = c->threads,
                                      .notes = cli_notes(call)};
-    const mukca_status units = cli_read_format(call, &options.format);
-    if (units != MUKCA_OK) return units;
-    const int all = call->arguments.n + c->test.n;
-    double *payload = c->payload ? MUKCA_TAKE(&call->pool, double, all + 1) : NULL;
-    mukca_status status = MUKCA_OK;
-    if (call->pool.failed) return cli_fail(call, MUKCA_MEMORY, "out of memory");
-    if (payload) status = read_payload(payload, call, all);
-    options.payload = payload && paths == &c->test ? payload + call->arguments.n : payload;
-    if (status == MUKCA_OK)
-        status =
-            mukca_dataset_load(data, &model->chain, paths->items, paths->n, &options, &call->error);
-    if (status == MUKCA_OK && paths != &c->test) status = check_pose_options(call, data);
-    if (status == MUKCA_OK) status = check_payload(call, data, &model->chain);
-    if (status == MUKCA_OK && data->n_targets > 1 && !call->command->targets) {
+    const bool test = paths == &c->test;
+    if (!paths->n) return MUKCA_OK;
+    MUKCA_TRY(cli_read_format(call, &options.format));
+    MUKCA_TRY(read_payload(&options.payload, call, test));
+    MUKCA_TRY(
+        mukca_dataset_load(data, &model->chain, paths->items, paths->n, &options, &call->error));
+    MUKCA_TRY(test ? MUKCA_OK : check_pose_options(call, data));
+    MUKCA_TRY(check_payload(call, data, &model->chain));
+    if (data->n_targets > 1 && !call->command->targets) {
         cli_print_mismatch(call, data, c->free_base, true);
-        status =
-            cli_fail(call, MUKCA_INPUT,
-                     "the pose logs have %d targets; mukca diagnose -o fits the position of each",
-                     data->n_targets);
+        return cli_fail(call, MUKCA_INPUT,
+                        "the pose logs have %d targets; mukca diagnose -o fits the position of "
+                        "each",
+                        data->n_targets);
     }
-    if (status == MUKCA_OK && c->angles == 1)
-        status = mukca_dataset_take_commands(data, &call->error);
-    return status;
+    return c->angles == CLI_ANGLES_COMMANDED ? mukca_dataset_take_commands(data, &call->error)
+                                             : MUKCA_OK;
 }
 
 /* Remove the distances of coincident sockets; without any other, the scale is undetermined. */
@@ -223,10 +213,9 @@ static mukca_status drop_coincident(cli_call *call, mukca_dataset *data, const c
 
 static mukca_status drop_training(cli_call *call, mukca_dataset *test, const mukca_dataset *data)
 {
-    const bool any = test->n_rows > 0;
-    const mukca_status status =
-        mukca_dataset_drop_copies(test, data, cli_notes(call), &call->error);
-    if (status != MUKCA_OK || test->n_rows || !any) return status;
+    if (test->n_rows == 0) return MUKCA_OK;
+    MUKCA_TRY(mukca_dataset_drop_copies(test, data, cli_notes(call), &call->error));
+    if (test->n_rows) return MUKCA_OK;
     return cli_fail(call, MUKCA_INPUT,
                     "--test: every row is also training data; test on other recordings");
 }
@@ -283,23 +272,20 @@ static void note_open_frames(cli_call *call, const mukca_dataset *data, const cl
 static mukca_status load(cli_call *call)
 {
     cli_session *s = call->session;
-    mukca_status status = cli_load_model(call, &s->model, &call->common->arm);
-    if (status == MUKCA_OK && call->arguments.n)
-        status = cli_load_data(call, &s->data, &s->model, &call->arguments);
-    if (status == MUKCA_OK) status = drop_coincident(call, &s->data, &s->model);
-    if (status == MUKCA_OK && call->common->test.n)
-        status = cli_load_data(call, &s->test, &s->model, &call->common->test);
-    if (status == MUKCA_OK) status = drop_training(call, &s->test, &s->data);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(cli_load_model(call, &s->model, &call->common->arm));
+    MUKCA_TRY(cli_load_data(call, &s->data, &s->model, &call->arguments));
+    MUKCA_TRY(drop_coincident(call, &s->data, &s->model));
+    MUKCA_TRY(cli_load_data(call, &s->test, &s->model, &call->common->test));
+    MUKCA_TRY(drop_training(call, &s->test, &s->data));
     note_unequal_sockets(call, &s->data);
     note_open_frames(call, &s->data, &s->model);
-    if (call->command->group != CLI_UNDERSTAND) return status;
+    if (call->command->group != CLI_UNDERSTAND) return MUKCA_OK;
     if (s->model.chain.n_masses == 0)
         cli_note(call,
                  "the URDF has no link masses; data/inertials (installed: share/mukca/inertials) "
                  "has those of common arms for --inertials");
     note_falling_time(call, &s->data);
-    return status;
+    return MUKCA_OK;
 }
 
 mukca_status cli_check_moving(cli_call *call, const mukca_dataset *d, bool postures)
@@ -330,21 +316,21 @@ mukca_status cli_check_moving(cli_call *call, const mukca_dataset *d, bool postu
     return MUKCA_OK;
 }
 
-mukca_status cli_check_scatter(cli_call *call, const char *path, const cli_model *m,
-                               const mukca_dataset *d)
+mukca_status cli_check_scatter(mukca_evaluation *e, cli_call *call, const char *path,
+                               const cli_model *m, const mukca_dataset *d)
 {
     mukca_effect effects[MUKCA_MAX_EFFECTS];
     const mukca_model model = {.chain = &m->chain,
                                .theta = m->offsets.theta,
                                .effects = effects,
                                .n_effects = m->offsets.n_effects};
-    double *error = MUKCA_TAKE(&call->pool, double, d->n_rows + 1), squares = 0;
+    double squares = 0;
     int n = 0;
     mukca_offsets_place_effects(effects, &m->offsets, d);
-    if (!error || !mukca_evaluate_rows(error, &model, d))
+    if (!mukca_evaluation_make(e, &call->pool, &model, d))
         return cli_fail(call, MUKCA_MEMORY, "out of memory");
     for (int i = 0; i < d->n_rows; i++)
-        if (d->socket[i] >= 0) squares += error[i] * error[i], n++;
+        if (d->socket[i] >= 0) squares += e->error[i] * e->error[i], n++;
     const double sigma = sqrt(squares / (3 * fmax(n, 1)));
     if (!(sigma > CLI_FOREIGN)) return MUKCA_OK;
     return cli_fail(call, MUKCA_NEGATIVE,
@@ -358,9 +344,7 @@ mukca_status cli_check_scatter(cli_call *call, const char *path, const cli_model
 static mukca_status condense(cli_call *call)
 {
     mukca_condensed condensed;
-    const mukca_status status =
-        mukca_condense(&condensed, &call->session->data, MUKCA_MOST_SAMPLES, &call->error);
-    if (status != MUKCA_OK || condensed.samples == condensed.rows) return status;
+    MUKCA_TRY(mukca_condense(&condensed, &call->session->data, MUKCA_MOST_SAMPLES, &call->error));
     if (condensed.postures < condensed.rows)
         cli_note(call, "%d rows are %d postures; the rows of each were averaged", condensed.rows,
                  condensed.postures);
@@ -375,8 +359,8 @@ mukca_status cli_read(cli_call *call, cli_reads what)
     if (what == CLI_READS_NOTHING) return MUKCA_OK;
     if (what == CLI_READS_MODEL)
         return cli_load_model(call, &call->session->model, &call->common->arm);
-    const mukca_status status = load(call);
-    return status == MUKCA_OK && what == CLI_READS_CONDENSED ? condense(call) : status;
+    MUKCA_TRY(load(call));
+    return what == CLI_READS_CONDENSED ? condense(call) : MUKCA_OK;
 }
 
 cli_list cli_inputs(cli_call *call)

@@ -15,19 +15,12 @@
 
 enum { OPTION_COLUMN = 26 };
 
-static void format_option(char *text, size_t size, const cli_option *option)
-{
-    char letter[8] = "";
-    if (option->letter) snprintf(letter, sizeof letter, "-%c, ", option->letter);
-    snprintf(text, size, "%s--%s%s%s", letter, option->name, option->argument ? " " : "",
-             option->argument ? option->argument : "");
-}
-
 static void print_option(FILE *stream, const cli_option *option)
 {
-    char text[80];
-    format_option(text, sizeof text, option);
-    int column = fprintf(stream, "  %s", text);
+    int column = fprintf(stream, "  ");
+    if (option->letter) column += fprintf(stream, "-%c, ", option->letter);
+    column += fprintf(stream, "--%s", option->name);
+    if (option->argument) column += fprintf(stream, " %s", option->argument);
     if (column + 2 > OPTION_COLUMN) {
         fputc('\n', stream);
         column = 0;
@@ -44,13 +37,6 @@ static void print_option(FILE *stream, const cli_option *option)
     cli_print_words(stream, OPTION_COLUMN, OPTION_COLUMN, list, names.used);
 }
 
-static void format_usage(char *text, size_t size, const cli_command *command)
-{
-    snprintf(text, size, "%s%s [options]%s%s", command->name,
-             command->with & CLI_WITH_MODEL ? " --urdf FILE" : "", *command->synopsis ? " " : "",
-             command->synopsis);
-}
-
 static void print_command_help(FILE *stream, const cli_command *command)
 {
     const char *bold = cli_bold(stream), *plain = cli_plain(stream);
@@ -58,9 +44,9 @@ static void print_command_help(FILE *stream, const cli_command *command)
     cli_print_words(stream, 0, (int)strlen(command->name) + 8, command->summary,
                     strlen(command->summary));
     fputc('\n', stream);
-    char usage[120];
-    format_usage(usage, sizeof usage, command);
-    fprintf(stream, "%sUsage:%s mukca %s\n\n", bold, plain, usage);
+    fprintf(stream, "%sUsage:%s mukca %s%s [options]%s%s\n\n", bold, plain, command->name,
+            command->with & CLI_WITH_MODEL ? " --urdf FILE" : "", *command->synopsis ? " " : "",
+            command->synopsis);
     cli_print_wrapped(stream, command->description);
     int titled = -1; /* 1: the common options, which come last */
     for (const cli_option *o = NULL; (o = cli_next_option(command, o));) {
@@ -187,7 +173,7 @@ static mukca_status help(const char *topic)
 
 static mukca_status run_command(const cli_command *command, int argc, char **argv)
 {
-    cli_call call = {.command = command, .argc = argc, .argv = argv};
+    cli_call call = {.command = command};
     call.started = cli_elapsed(&call); /* reads the clock: started is 0 */
     bool wants_help;
     mukca_status status = cli_parse(&call, &wants_help, argc, argv);

@@ -22,7 +22,8 @@ typedef struct {
     int effort;
 } motion_options;
 
-static const char *const efforts[] = {"torque", "current", NULL};
+enum { TORQUE, CURRENT }; /* what --effort can be */
+static const char *const efforts[] = {[TORQUE] = "torque", [CURRENT] = "current", NULL};
 
 static const cli_option options[] = {
     CLI_OPTION(
@@ -31,8 +32,8 @@ static const cli_option options[] = {
     CLI_OPTION(motion_options, mjcf, "mjcf", CLI_INPUT, "FILE",
                "MuJoCo model with frictionloss, damping and armature of the joints (default: "
                "<dynamics> of the URDF)"),
-    CLI_CHOICE_OPTION(motion_options, effort, "effort", "WHAT", efforts,
-                      "what JOINT.effort contains (default: torque, N m)"),
+    CLI_OPTION(motion_options, effort, "effort", CLI_CHOICE, "WHAT",
+               "what JOINT.effort contains (default: torque, N m)", .choices = efforts),
     CLI_OPTION(motion_options, gain, "current-gain", CLI_TEXT, "GAINS",
                "torque constants N m/A for currents, as in joint_1=14.9,joint_2=13.3"),
     CLI_OPTION(motion_options, stiffness, "kp", CLI_TEXT, "GAINS",
@@ -210,26 +211,26 @@ static mukca_status run(cli_call *call)
     const motion_options *o = call->options;
     const cli_model *model = &call->session->model;
     motion_work *w = call->work;
-    mukca_run_options how = {.current = o->effort == 1, .notes = cli_notes(call)};
+    mukca_run_options form = {.current = o->effort == CURRENT, .notes = cli_notes(call)};
     const int n = call->arguments.n + o->reference.n + call->common->test.n;
     mukca_run *runs = MUKCA_TAKE(&call->pool, mukca_run, n + 1);
     if (!runs) return cli_fail(call, MUKCA_MEMORY, "out of memory");
     w->input.chain = &model->chain;
     w->input.run = runs;
     w->input.notes = cli_notes(call);
-    MUKCA_TRY(read_by_joint(how.gain, call, "current-gain", o->gain));
-    MUKCA_TRY(read_by_joint(how.stiffness, call, "kp", o->stiffness));
+    MUKCA_TRY(read_by_joint(form.gain, call, "current-gain", o->gain));
+    MUKCA_TRY(read_by_joint(form.stiffness, call, "kp", o->stiffness));
     MUKCA_TRY(disable(w->input.disabled, call, o->without));
-    MUKCA_TRY(cli_read_format(call, &how.format));
+    MUKCA_TRY(cli_read_format(call, &form.format));
     MUKCA_TRY(mukca_drives_read(&w->input.drives, o->mjcf ? o->mjcf : call->common->arm.urdf,
                                 &model->chain, &call->error));
-    MUKCA_TRY(read_runs(call, runs, &how));
+    MUKCA_TRY(read_runs(call, runs, &form));
     w->input.progress = cli_show_progress;
     w->input.progress_context = call;
     if (o->report) w->input.view = view;
     MUKCA_TRY(mukca_motion_analyse(&w->motion, &w->input, &call->error));
-    if (call->common->output) MUKCA_TRY(cli_write(call, call->common->output, write_table));
-    return o->report ? cli_write(call, o->report, write_page) : MUKCA_OK;
+    MUKCA_TRY(cli_write(call, call->common->output, write_table));
+    return cli_write(call, o->report, write_page);
 }
 
 /* ---- screen ---- */
@@ -293,7 +294,7 @@ static mukca_status print(cli_call *call)
 
 /* ---- JSON ---- */
 
-static json_t *alternatives(const mukca_motion_finding *f, const mukca_chain *chain)
+static json_t *alternatives_json(const mukca_motion_finding *f, const mukca_chain *chain)
 {
     json_t *array = json_array();
     const int last = chain->n_joints - 1;
@@ -314,7 +315,7 @@ static json_t *alternatives(const mukca_motion_finding *f, const mukca_chain *ch
     return array;
 }
 
-static json_t *finding(const mukca_motion_finding *f, const mukca_chain *chain)
+static json_t *finding_json(const mukca_motion_finding *f, const mukca_chain *chain)
 {
     static const char *const kinds[] = {"effect", "effect", "family", "tie", "place"};
     const mukca_finding_group *g = &f->group;
@@ -342,7 +343,7 @@ static json_t *finding(const mukca_motion_finding *f, const mukca_chain *chain)
                                             KEY("unit", mukca_torque_table[g->effect].unit),
                                             KEY("ci95", cli_json_estimate(&f->coefficient)))
                                  : NULL),
-        KEY("alternatives", alternatives(f, chain)),
+        KEY("alternatives", alternatives_json(f, chain)),
         KEY("sentence", mukca_wording_torque(MUKCA_WORDS, g, chain)));
 }
 
@@ -352,8 +353,9 @@ static json_t *as_json(const cli_call *call)
     const mukca_chain *chain = &call->session->model.chain;
     json_t *findings = json_array(), *maybe = json_array(), *joints = json_array();
     for (int i = 0; i < m->n_findings; i++)
-        json_array_append_new(findings, finding(&m->finding[i], chain));
-    for (int i = 0; i < m->n_maybe; i++) json_array_append_new(maybe, finding(&m->maybe[i], chain));
+        json_array_append_new(findings, finding_json(&m->finding[i], chain));
+    for (int i = 0; i < m->n_maybe; i++)
+        json_array_append_new(maybe, finding_json(&m->maybe[i], chain));
     for (int j = 0; j < m->n_joints; j++) {
         const mukca_motion_joint *of = &m->joint[j];
         cli_json_append(joints, KEY("joint", mukca_chain_joint_name(chain, j)),

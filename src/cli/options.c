@@ -5,11 +5,9 @@
 static const char *const angles[] = {"reading", "command", NULL};
 static const char *const maps[] = {"name", "order", "order-w-last", NULL};
 
-/* A row of the table; the second with more members. */
-#define COMMON(...) COMMON_AND(__VA_ARGS__, .letter = 0)
-#define COMMON_AND(sets, text, member, type, metavar, sentence, ...)                          \
-    CLI_OPTION_AND(cli_common, member, text, type, metavar, sentence, .set = CLI_WITH_##sets, \
-                   __VA_ARGS__)
+/* A row of the table. */
+#define COMMON(sets, text, member, type, metavar, ...) \
+    CLI_OPTION(cli_common, member, text, type, metavar, __VA_ARGS__, .set = CLI_WITH_##sets)
 
 const cli_option cli_common_options[] = {
     COMMON(MODEL, "urdf", arm.urdf, CLI_INPUT, "FILE", "nominal model of the arm"),
@@ -34,24 +32,24 @@ const cli_option cli_common_options[] = {
     COMMON(ACCEPT, "accept-edited", accept_edited, CLI_FLAG, NULL,
            "use the offsets table even though it was edited or cut after it was written"),
     COMMON(TEST, "test", test, CLI_REST, "DATA...", "held-out data: never fitted, always reported"),
-    COMMON_AND(DISTANCE, "distance", distance, CLI_POSITIVE, "M",
-               "distance between the sockets, m (default: 0.05)", .most = 2),
-    COMMON_AND(DISTANCES, "distances", distances, CLI_INPUT, "FILE",
-               "distances of pairs of sockets (TSV: socket_a, socket_b, distance_m)",
-               .excludes = "distance"),
-    COMMON_AND(SD, "distance-sd", distance_sd, CLI_POSITIVE, "M",
-               "standard deviation of the distance between two sockets, one error for all "
-               "placements, m (default: 1e-4, printed; a measured tool: that of the instrument)",
-               .most = 0.1),
+    COMMON(DISTANCE, "distance", distance, CLI_POSITIVE, "M",
+           "distance between the sockets, m (default: 0.05)", .most = 2),
+    COMMON(DISTANCES, "distances", distances, CLI_INPUT, "FILE",
+           "distances of pairs of sockets (TSV: socket_a, socket_b, distance_m)",
+           .excludes = "distance"),
+    COMMON(SD, "distance-sd", distance_sd, CLI_POSITIVE, "M",
+           "standard deviation of the distance between two sockets, one error for all "
+           "placements, m (default: 1e-4, printed; a measured tool: that of the instrument)",
+           .most = 0.1),
     COMMON(JSON, "json", json, CLI_OUTPUT, "FILE",
            "write the result as JSON; - means standard output"),
     COMMON(PAYLOAD, "payload", payload, CLI_TEXT, "KG[,KG...]",
            "mass at the tip beyond the model, of all DATA or of each in order, then of each "
            "--test, where the file has no payload_kg"),
-    COMMON_AND(ANGLES, "angles", angles, CLI_CHOICE, "STREAM",
-               "fit the angles that were read, or those that were commanded (columns "
-               "JOINT.command; without them all angles are commands; default: reading)",
-               .choices = angles),
+    COMMON(ANGLES, "angles", angles, CLI_CHOICE, "STREAM",
+           "fit the angles that were read, or those that were commanded (columns "
+           "JOINT.command; without them all angles are commands; default: reading)",
+           .choices = angles),
     COMMON(FRAMES, "free-base", free_base, CLI_FLAG, NULL,
            "pose logs: fit the frame of the tracker, too (joint base_frame)"),
     COMMON(FRAMES, "free-tool", free_tool, CLI_FLAG, NULL,
@@ -65,11 +63,11 @@ const cli_option cli_common_options[] = {
     COMMON(COLUMNS, "columns", columns, CLI_TEXT, "NAMES",
            "names of the tables' columns: COLUMN=NAME,... or a name for each column in order, or a "
            "file of these"),
-    COMMON_AND(MAP, "map", map, CLI_CHOICE, "MAP",
-               "name: the first line of a table names its columns; order: it has no such line, the "
-               "joints come in the chain's order, then the pose, its quaternion with w first; "
-               "order-w-last: with w last (default: name)",
-               .choices = maps),
+    COMMON(MAP, "map", map, CLI_CHOICE, "MAP",
+           "name: the first line of a table names its columns; order: it has no such line, the "
+           "joints come in the chain's order, then the pose, its quaternion with w first; "
+           "order-w-last: with w last (default: name)",
+           .choices = maps),
     COMMON(
         MAP, "rotation", rotation, CLI_TEXT, "FORM",
         "orientations of pose logs, their columns from left to right: three angles as XYZ (or "
@@ -79,12 +77,11 @@ const cli_option cli_common_options[] = {
     COMMON(MAP, "inverse-poses", inverse_poses, CLI_FLAG, NULL,
            "the measured poses are those of the fixed frame in the target's, as a camera on the "
            "arm sees a fixed board"),
-    COMMON_AND(THREADS, "threads", threads, CLI_INTEGER, "N",
-               "threads of the computation, the result is the same for every N (default: one for "
-               "each core)",
-               .least = 1, .most = MUKCA_MOST_WORKERS),
+    COMMON(THREADS, "threads", threads, CLI_INTEGER, "N",
+           "threads of the computation, the result is the same for every N (default: one for "
+           "each core)",
+           .least = 1, .most = MUKCA_MOST_WORKERS),
     COMMON(ALL, "force", force, CLI_FLAG, NULL, "overwrite existing files"),
-    COMMON_AND(ALL, "quiet", quiet, CLI_FLAG, NULL, "print errors only", .letter = 'q'),
-    COMMON_AND(ALL, "verbose", verbose, CLI_FLAG, NULL, "print inputs and elapsed time",
-               .letter = 'v'),
+    COMMON(ALL, "quiet", quiet, CLI_FLAG, NULL, "print errors only", .letter = 'q'),
+    COMMON(ALL, "verbose", verbose, CLI_FLAG, NULL, "print inputs and elapsed time", .letter = 'v'),
     {.name = NULL, .set = CLI_WITH_ALL}};

@@ -49,21 +49,16 @@ typedef struct {
     int n_words;
 } cli_given;
 
-/* Rows of option tables; `member` of the struct `type` gets the value.  The first with further
- * members of cli_option. */
-#define CLI_OPTION_AND(type, member, option, value, metavar, text, ...)           \
-    {                                                                             \
-        .name = (option), .kind = (value), .argument = (metavar), .help = (text), \
-        .offset = offsetof(type, member), __VA_ARGS__                             \
+/* A row of an option table; `member` of the struct `type` gets the value.  After the help text may
+ * stand further members of cli_option. */
+#define CLI_OPTION(type, member, option, value, metavar, ...)     \
+    {                                                             \
+        .name = (option), .kind = (value), .argument = (metavar), \
+        .offset = offsetof(type, member), .help = __VA_ARGS__     \
     }
-#define CLI_OPTION(...) CLI_OPTION_AND(__VA_ARGS__, .letter = 0)
-#define CLI_RANGE_OPTION(type, member, option, value, metavar, from, to, text) \
-    CLI_OPTION_AND(type, member, option, value, metavar, text, .least = (from), .most = (to))
-#define CLI_CHOICE_OPTION(type, member, option, metavar, list, text) \
-    CLI_OPTION_AND(type, member, option, CLI_CHOICE, metavar, text, .choices = (list))
 /* -o, whose meaning differs by command; `what`: help text. */
 #define CLI_OUTPUT_OPTION(what) \
-    CLI_OPTION_AND(cli_common, output, "output", CLI_OUTPUT, "FILE", what, .letter = 'o')
+    CLI_OPTION(cli_common, output, "output", CLI_OUTPUT, "FILE", what, .letter = 'o')
 
 /* The options that specify an arm. */
 typedef struct {
@@ -76,13 +71,16 @@ typedef struct {
     cli_arm arm;
     const char *distances, *json, *output, *payload, *units, *columns, *rotation, *traits;
     cli_list test;
-    int angles;                   /* 1: commanded */
-    int map;                      /* 0: by name; 1: in order; 2: in order, w last */
-    int threads;                  /* 0: all cores */
+    int angles, map;              /* choices, see below */
+    int threads;                  /* as of mukca_workers_start */
     double distance, distance_sd; /* m */
     bool free_base, free_tool, inverse_poses, accept_other_arm, accept_failed, accept_edited, force,
         quiet, verbose;
 } cli_common;
+
+/* Choices of --angles and --map, in the order of their names in the table. */
+enum { CLI_ANGLES_READ, CLI_ANGLES_COMMANDED };
+enum { CLI_BY_NAME, CLI_BY_ORDER, CLI_BY_ORDER_W_LAST };
 
 /* Sets of common options that a command can take.  --force, -q and -v are common to all. */
 enum {

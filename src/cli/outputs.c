@@ -10,7 +10,7 @@
 /* The path that was given for an option, CLI_INPUT or CLI_OUTPUT; NULL: none. */
 static const char *path_of(const cli_call *call, const cli_option *option)
 {
-    return *(const char *const *)(const void *)((const char *)call->options + option->offset);
+    return *(const char **)cli_option_member(call, option);
 }
 
 /* Is `path` the input or, if the input is a placement's folder, one of the files read in it? */
@@ -39,15 +39,16 @@ static bool is_among(const char *path, const cli_list *inputs)
     return false;
 }
 
-static mukca_status check_output(cli_call *call, const cli_option *output, const char *path)
+static mukca_status check_output(cli_call *call, const cli_option *output)
 {
+    if (output->kind != CLI_OUTPUT || !path_of(call, output)) return MUKCA_OK;
+    const char *path = path_of(call, output);
     bool same = is_among(path, &call->arguments) || is_standard_input(path);
     bool before = true;
     for (const cli_option *o = NULL; (o = cli_next_option(call->command, o));) {
         before &= o != output;
         if (o->kind == CLI_INPUT) same |= is_input(path, path_of(call, o));
-        if (o->kind == CLI_REST)
-            same |= is_among(path, (const cli_list *)(void *)((char *)call->options + o->offset));
+        if (o->kind == CLI_REST) same |= is_among(path, cli_option_member(call, o));
         if (o->kind == CLI_OUTPUT && before && mukca_output_same(path, path_of(call, o)))
             return cli_fail(call, MUKCA_USAGE, "--%s and --%s cannot both go to %s", o->name,
                             output->name, path);
@@ -61,11 +62,9 @@ static mukca_status check_output(cli_call *call, const cli_option *output, const
 
 mukca_status cli_check_outputs(cli_call *call)
 {
-    mukca_status status = MUKCA_OK;
-    for (const cli_option *o = NULL; status == MUKCA_OK && (o = cli_next_option(call->command, o));)
-        if (o->kind == CLI_OUTPUT && path_of(call, o))
-            status = check_output(call, o, path_of(call, o));
-    return status;
+    for (const cli_option *o = NULL; (o = cli_next_option(call->command, o));)
+        MUKCA_TRY(check_output(call, o));
+    return MUKCA_OK;
 }
 
 void cli_print_verdict(const cli_call *call, FILE *stream)
@@ -78,6 +77,7 @@ void cli_print_verdict(const cli_call *call, FILE *stream)
 mukca_status cli_write(cli_call *call, const char *path, cli_writer *write)
 {
     mukca_output output;
+    if (!path) return MUKCA_OK;
     mukca_status status = mukca_output_open(&output, path, call->common->force, &call->error);
     if (status == MUKCA_OK) status = write(call, output.stream);
     return mukca_output_finish(&output, status, &call->error);
@@ -88,18 +88,6 @@ mukca_status cli_write_table(cli_call *call, cli_writer *write)
     const char *path = call->common->output;
     call->printed = !path;
     return cli_write(call, path ? path : "-", write);
-}
-
-mukca_status cli_write_offsets(cli_call *call, const char *path, const mukca_offsets *offsets,
-                               const mukca_chain *chain, const mukca_dataset *data,
-                               const char *comments)
-{
-    mukca_output output = {0};
-    if (!path) return MUKCA_OK;
-    mukca_status status = mukca_output_open(&output, path, call->common->force, &call->error);
-    if (status == MUKCA_OK)
-        status = mukca_offsets_write(output.stream, offsets, chain, data, comments, &call->error);
-    return mukca_output_finish(&output, status, &call->error);
 }
 
 mukca_status cli_write_page(cli_call *call, FILE *stream, mukca_page page)

@@ -1,13 +1,13 @@
 /* Parsing of command lines by the option tables. */
+#define _GNU_SOURCE /* sched_getaffinity() */
 #include "cli/cli.h"
 
 #include <errno.h>
 #include <limits.h>
 #include <math.h>
-#include <stdlib.h>
+#include <sched.h>
 #include <string.h>
 
-#include "base/list.h"
 #include "base/number.h"
 #include "base/suggest.h"
 #include "base/text.h"
@@ -64,25 +64,26 @@ int cli_read_list(double *values, int most, const char *text)
     return n;
 }
 
-static bool append(cli_list *list, const char *item)
+/* Append one of the call's words. */
+static mukca_status append(cli_call *call, cli_list *list, const char *item)
 {
-    const char **added = mukca_list_append(&list->items, &list->n, sizeof *added);
-    if (added) *added = item;
-    return added;
+    if (!list->items) list->items = MUKCA_TAKE(&call->pool, const char *, call->argc);
+    if (!list->items) return cli_fail(call, MUKCA_MEMORY, "out of memory");
+    list->items[list->n++] = item;
+    return MUKCA_OK;
 }
 
 /* ", in m", by the argument's name in help; "": no unit. */
 static const char *unit_words(const cli_option *option)
 {
-    static const char *const table[][2] = {{"M", ", in m"},     {"S", ", in s"},
-                                           {"RAD", ", in rad"}, {"DEG", ", in degrees"},
-                                           {"NM", ", in N m"},  {"PERCENT", ", in percent"}};
+    static const char *const table[][2] = {
+        {"M", ", in m"}, {"S", ", in s"}, {"RAD", ", in rad"}, {"DEG", ", in degrees"}};
     for (size_t i = 0; i < sizeof table / sizeof *table; i++)
         if (strcmp(option->argument, table[i][0]) == 0) return table[i][1];
     return "";
 }
 
-static void *member(cli_call *call, const cli_option *option)
+void *cli_option_member(const cli_call *call, const cli_option *option)
 {
     return (char *)call->options + option->offset;
 }
@@ -152,14 +153,13 @@ static mukca_status set_value(cli_call *call, const cli_option *option, const ch
         [CLI_INTEGER] = "a whole number",
         [CLI_CHOICE] = "one of",
     };
-    void *at = member(call, option);
+    void *at = cli_option_member(call, option);
     char list[160] = "", range[64];
     mukca_text names = MUKCA_TEXT(list);
     if (!*text) /* from an unset variable in a script */
         return cli_fail(call, MUKCA_USAGE, "--%s needs %s, and not an empty text", option->name,
                         option->argument);
-    if (option->kind == CLI_TEXTS || option->kind == CLI_REST)
-        return append(at, text) ? MUKCA_OK : cli_fail(call, MUKCA_MEMORY, "out of memory");
+    if (option->kind == CLI_TEXTS || option->kind == CLI_REST) return append(call, at, text);
     if (store(at, option, text)) return MUKCA_OK;
     for (int i = 0; option->kind == CLI_CHOICE && option->choices[i]; i++)
         mukca_text_put(&names, "%s %s", i ? "," : "", option->choices[i]);
@@ -225,7 +225,7 @@ static mukca_status take_option(cli_call *call, int *used, const cli_option *opt
     note_given(call, option, argv, *used);
     if (option->kind == CLI_FLAG) {
         if (inlined) return cli_fail(call, MUKCA_USAGE, "--%s takes no value", option->name);
-        *(bool *)member(call, option) = true;
+        *(bool *)cli_option_member(call, option) = true;
         return MUKCA_OK;
     }
     if (inlined) return set_value(call, option, inlined);
@@ -271,16 +271,26 @@ static mukca_status check_arguments(cli_call *call)
     return MUKCA_OK;
 }
 
+/* Those that the process may use. */
+static int count_cores(void)
+{
+    cpu_set_t set;
+    return sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set) : 1;
+}
+
 mukca_status cli_parse(cli_call *call, bool *help, int argc, char **argv)
 {
     *help = false;
-    call->options = calloc(1, call->command->options_size);
+    call->argc = argc;
+    call->argv = argv;
+    call->options = mukca_pool_take(&call->pool, 1, call->command->options_size);
     call->common = call->options;
     if (!call->options) return cli_fail(call, MUKCA_MEMORY, "out of memory");
     if (call->command->defaults)
         memcpy(call->options, call->command->defaults, call->command->options_size);
     call->common->distance = MUKCA_DISTANCE;
     call->common->distance_sd = MUKCA_DISTANCE_SIGMA;
+    call->common->threads = count_cores();
     bool plain = false;
     for (int i = 0; i < argc;) {
         const char *word = argv[i];
@@ -290,8 +300,7 @@ mukca_status cli_parse(cli_call *call, bool *help, int argc, char **argv)
             if (!*word)
                 return cli_fail(call, MUKCA_USAGE, "an argument is empty; see `mukca help %s`",
                                 call->command->name);
-            if (!append(&call->arguments, word))
-                return cli_fail(call, MUKCA_MEMORY, "out of memory");
+            status = append(call, &call->arguments, word);
         } else if (strcmp(word, "--") == 0) {
             plain = true;
         } else if (strcmp(word, "--help") == 0) {
@@ -315,10 +324,7 @@ mukca_status cli_parse(cli_call *call, bool *help, int argc, char **argv)
 
 void cli_call_free(cli_call *call)
 {
-    for (const cli_option *o = NULL; call->options && (o = cli_next_option(call->command, o));)
-        if (o->kind == CLI_TEXTS || o->kind == CLI_REST) free(((cli_list *)member(call, o))->items);
-    free(call->arguments.items);
-    free(call->options);
+    mukca_pool_free(&call->pool);
     call->options = NULL;
     call->common = NULL;
 }

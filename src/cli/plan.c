@@ -32,19 +32,21 @@ typedef struct {
 static const plan_options defaults = {.rows = 20, .noise = 1e-4};
 
 static const cli_option options[] = {
-    CLI_RANGE_OPTION(plan_options, rows, "rows", CLI_INTEGER, "N", 1, 1000,
-                     "postures to propose, all sockets together (default: 20)"),
+    CLI_OPTION(plan_options, rows, "rows", CLI_INTEGER, "N",
+               "postures to propose, all sockets together (default: 20)", .least = 1, .most = 1000),
     CLI_OPTION(plan_options, places, "place", CLI_TEXTS, "NAME=X,Y,Z[,ROLL,PITCH,YAW]",
                "a placement of the tool: middle of the sockets, which lie on its x axis, m and "
                "rad; 1 cm is accurate enough"),
-    CLI_RANGE_OPTION(plan_options, split, "for", CLI_INTEGER, "N", 1, MUKCA_MOST_FINDINGS,
-                     "diagnose DATA and split finding N of it: tell its two most probable "
-                     "alternatives apart"),
-    CLI_RANGE_OPTION(plan_options, noise, "noise", CLI_POSITIVE, "M", 0, 0.1,
-                     "measurement noise of the ball per axis, m (default: 1e-4)"),
-    CLI_RANGE_OPTION(
-        plan_options, tilt, "tilt", CLI_POSITIVE, "DEG", 0, 180,
-        "largest tilt of the tool from straight down (default: 60, or that of DATA; 180: any)"),
+    CLI_OPTION(plan_options, split, "for", CLI_INTEGER, "N",
+               "diagnose DATA and split finding N of it: tell its two most probable "
+               "alternatives apart",
+               .least = 1, .most = MUKCA_MOST_FINDINGS),
+    CLI_OPTION(plan_options, noise, "noise", CLI_POSITIVE, "M",
+               "measurement noise of the ball per axis, m (default: 1e-4)", .most = 0.1),
+    CLI_OPTION(
+        plan_options, tilt, "tilt", CLI_POSITIVE, "DEG",
+        "largest tilt of the tool from straight down (default: 60, or that of DATA; 180: any)",
+        .most = 180),
     CLI_OPTION(plan_options, seed, "seed", CLI_INTEGER, "N",
                "seed of the random candidates (default: 0)"),
     CLI_OUTPUT_OPTION("write the postures there, a session file (default: standard output)"),
@@ -52,18 +54,17 @@ static const cli_option options[] = {
 
 static void progress(void *context, double fraction)
 {
-    cli_progress(context, "trying postures", fraction, 1);
+    cli_show_progress(context, fraction, "trying postures");
 }
 
 static mukca_status check(cli_call *call)
 {
     const plan_options *o = call->options;
-    mukca_error *e = &call->error;
     if (o->split && call->arguments.n == 0)
-        return mukca_fail(e, MUKCA_USAGE, "--for needs the DATA of the finding");
+        return cli_fail(call, MUKCA_USAGE, "--for needs the DATA of the finding");
     if (call->arguments.n == 0 && o->places.n == 0)
-        return mukca_fail(e, MUKCA_USAGE,
-                          "where is the tool? give recorded DATA, or --place NAME=X,Y,Z");
+        return cli_fail(call, MUKCA_USAGE,
+                        "where is the tool? give recorded DATA, or --place NAME=X,Y,Z");
     return MUKCA_OK;
 }
 
@@ -96,7 +97,6 @@ static mukca_status add_place(plan_work *r, const char *text, int number)
 static mukca_status gather_sockets(plan_work *r)
 {
     const plan_options *o = r->call->options;
-    mukca_status status = MUKCA_OK;
     if (r->data->n_rows > 0) {
         r->n_sockets =
             mukca_plan_sockets(r->sockets, MUKCA_PLAN_MAX_SOCKETS, &r->model->geometry, r->data);
@@ -104,23 +104,21 @@ static mukca_status gather_sockets(plan_work *r)
             return cli_fail(r->call, MUKCA_INPUT,
                             "these DATA have no sockets; plan is for socket data");
     }
-    for (int i = 0; i < o->places.n && status == MUKCA_OK; i++)
-        status = add_place(r, o->places.items[i], r->data->n_placements + i);
-    return status;
+    for (int i = 0; i < o->places.n; i++)
+        MUKCA_TRY(add_place(r, o->places.items[i], r->data->n_placements + i));
+    return MUKCA_OK;
 }
 
 /* The alternatives of a finding, and the diagnosed geometry for the plan. */
 static mukca_status find_pair(plan_work *r)
 {
     const mukca_chain *chain = &r->model->chain;
-    const mukca_diagnose_options diagnose = {.threads = cli_threads(r->call),
+    const mukca_diagnose_options diagnose = {.threads = r->call->common->threads,
                                              .progress = cli_show_progress,
                                              .progress_context = r->call};
     const int finding = ((const plan_options *)r->call->options)->split - 1;
     mukca_next_poses next;
-    const mukca_status status =
-        mukca_diagnose(&r->diagnosis, chain, r->data, &diagnose, &r->call->error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(mukca_diagnose(&r->diagnosis, chain, r->data, &diagnose, &r->call->error));
     if (!mukca_next_poses_pair(&next, &r->options, r->tied, &r->diagnosis, finding))
         return cli_fail(r->call, MUKCA_NEGATIVE,
                         "%s (%d finding%s in all); without --for, postures are chosen for accuracy",
@@ -149,9 +147,10 @@ static mukca_status run(cli_call *call)
                                       .stop = cli_stop,
                                       .progress = progress,
                                       .context = r->call};
+    mukca_evaluation evaluation;
     mukca_status status = cli_check_moving(call, r->data, false);
     if (status == MUKCA_OK && r->data->n_sockets > 0)
-        status = cli_check_scatter(call, call->arguments.items[0], r->model, r->data);
+        status = cli_check_scatter(&evaluation, call, call->arguments.items[0], r->model, r->data);
     if (status == MUKCA_OK && o->split) status = find_pair(r);
     if (status == MUKCA_OK) status = gather_sockets(r);
     if (status != MUKCA_OK) return status;

@@ -85,13 +85,14 @@ static mukca_status fit_log(cli_call *call, recalibrate_work *r)
                                       .free_tool = o->common.free_tool,
                                       .limits = {.stop = cli_stop}};
     mukca_recalibration *fit = r->fit;
-    mukca_status status = mukca_recalibrate(fit, &r->arm, r->log, &wanted, o->robust, &call->error);
-    if (status != MUKCA_OK || !r->tested) return status;
+    MUKCA_TRY(mukca_recalibrate(fit, &r->arm, r->log, &wanted, o->robust, &call->error));
+    if (!r->tested) return MUKCA_OK;
     mukca_pose_log_shift(r->test_log, fit->lag);
-    for (int k = 0; k < MUKCA_STAGES && status == MUKCA_OK; k++)
-        if (k != MUKCA_WITH_ANGLES || fit->has_angles)
-            status = mukca_pose_errors_find(&r->test[k], &fit->stage[k], r->test_log, &call->error);
-    return status;
+    for (int k = 0; k < MUKCA_STAGES; k++) {
+        if (k == MUKCA_WITH_ANGLES && !fit->has_angles) continue;
+        MUKCA_TRY(mukca_pose_errors_find(&r->test[k], &fit->stage[k], r->test_log, &call->error));
+    }
+    return MUKCA_OK;
 }
 
 /* The table of the fit, judged as that of calibrate; elements after the link of the poses stay
@@ -126,6 +127,13 @@ static mukca_status judge_offsets(cli_call *call, recalibrate_work *r)
     return status;
 }
 
+static mukca_status write_offsets(cli_call *call, FILE *stream)
+{
+    const recalibrate_work *r = call->work;
+    return mukca_offsets_write(stream, &r->offsets, r->chain, r->log, "method: recalibrate (poses)",
+                               &call->error);
+}
+
 static mukca_status run(cli_call *call)
 {
     recalibrate_work *r = call->work;
@@ -140,8 +148,7 @@ static mukca_status run(cli_call *call)
     if (misfit || (status == MUKCA_OK && !(r->fit->calibrated && r->offsets.acceptance.accepted)))
         cli_print_mismatch(call, r->log, c->free_base, c->free_tool);
     if (status != MUKCA_OK || !r->fit->calibrated) return status;
-    return cli_write_offsets(call, c->output, &r->offsets, r->chain, r->log,
-                             "method: recalibrate (poses)");
+    return cli_write(call, c->output, write_offsets);
 }
 
 /* ---- screen: the verdict, the tables of the paper ---- */
@@ -188,28 +195,6 @@ static void print_errors(cli_call *call, const char *title, const mukca_pose_err
         if (turns) print_moments(call, &e[s].rotation.length);
         cli_answer(call, "\n");
     }
-}
-
-/* Unknown i of joint zeros and link offsets: its value and standard error, m or rad. */
-typedef struct {
-    mukca_unknown name;
-    double value, sigma;
-    bool identifiable;
-} unknown_value;
-
-static unknown_value find_unknown(const recalibrate_work *r, int i)
-{
-    const mukca_fit *fit = &r->fit->lengths;
-    const mukca_identification *id = &fit->identification;
-    unknown_value u = {.sigma = id->sigma[i], .identifiable = id->identifiable[i]};
-    const int at = fit->parameters.index[i];
-    mukca_split_arm_name(&u.name, &r->fit->split, &r->arm, fit, i);
-    u.value = u.name.sign * (fit->theta[at] - r->fit->start[at]);
-    if (u.name.element >= 0 && u.name.angle) {
-        const int joint = r->arm.element[u.name.element].joint;
-        u.identifiable &= joint < 0 || !never_moved(r, joint);
-    }
-    return u;
 }
 
 static void print_findings(cli_call *call, const recalibrate_work *r, const mukca_acceptance *a)
@@ -292,15 +277,22 @@ static json_t *errors_json(const mukca_pose_errors *e, bool has_angles)
                     KEY("orientation", orientation));
 }
 
+/* Joint zeros and link offsets, with standard errors. */
 static json_t *unknowns_json(const recalibrate_work *r)
 {
+    const mukca_fit *fit = &r->fit->lengths;
     json_t *array = json_array();
-    for (int i = 0; i < r->fit->lengths.parameters.n; i++) {
-        const unknown_value u = find_unknown(r, i);
-        const char *joint = u.name.element < 0 ? NULL : r->arm.element[u.name.element].name;
-        cli_json_append(array, KEY("name", u.name.text), KEY("joint", joint), KEY("value", u.value),
-                        KEY("unit", u.name.angle ? "rad" : "m"), KEY("sigma", u.sigma),
-                        KEY("identifiable", u.identifiable));
+    for (int i = 0; i < fit->parameters.n; i++) {
+        mukca_unknown u;
+        const int at = fit->parameters.index[i];
+        mukca_split_arm_name(&u, &r->fit->split, &r->arm, fit, i);
+        const mukca_element *e = u.element < 0 ? NULL : &r->arm.element[u.element];
+        const bool still = e && u.angle && e->joint >= 0 && never_moved(r, e->joint);
+        cli_json_append(array, KEY("name", u.text), KEY("joint", e ? e->name : NULL),
+                        KEY("value", u.sign * (fit->theta[at] - r->fit->start[at])),
+                        KEY("unit", u.angle ? "rad" : "m"),
+                        KEY("sigma", fit->identification.sigma[i]),
+                        KEY("identifiable", (bool)(fit->identification.identifiable[i] && !still)));
     }
     return array;
 }

@@ -11,7 +11,7 @@ typedef struct {
 } report_options;
 
 static const cli_option options[] = {
-    CLI_OPTION_AND(
+    CLI_OPTION(
         report_options, fleet, "fleet", CLI_FLAG, NULL,
         "DATA are summaries of the arms of one model (diagnose --summary): the page of a fleet",
         .excludes = "urdf kinematics inertials offsets distances payload test free-base free-tool"),
@@ -28,12 +28,10 @@ typedef struct {
 static mukca_status take_offsets(cli_call *call)
 {
     report_work *w = call->work;
-    if (!call->common->arm.offsets && w->analysis.diagnosis.applied.fitted) {
-        w->page.fitted = &w->analysis.chain;
-        return cli_diagnosis_offsets(call, &w->analysis);
-    }
     w->analysis.offsets = call->session->model.offsets;
-    return MUKCA_OK;
+    if (call->common->arm.offsets || !w->analysis.diagnosis.applied.fitted) return MUKCA_OK;
+    w->page.fitted = &w->analysis.chain;
+    return cli_diagnosis_make_offsets(call, &w->analysis);
 }
 
 static mukca_status write_page(cli_call *call, FILE *stream)
@@ -42,13 +40,6 @@ static mukca_status write_page(cli_call *call, FILE *stream)
     const report_work *w = call->work;
     return cli_write_page(call, stream,
                           o->fleet ? mukca_fleet_page(&w->fleet) : mukca_report_page(&w->page));
-}
-
-static mukca_status prepare_fleet(cli_call *call)
-{
-    report_work *w = call->work;
-    const mukca_status status = cli_fleet_read(call, &w->fleet);
-    return status == MUKCA_OK ? mukca_fleet_pool(&w->fleet, &call->error) : status;
 }
 
 static mukca_status check(cli_call *call)
@@ -81,20 +72,23 @@ static mukca_status prepare_arm(cli_call *call)
                              .offsets = &w->analysis.offsets,
                              .train = &s->data,
                              .test = &s->test};
-    mukca_status status = cli_read(call, CLI_READS_CONDENSED);
-    if (status == MUKCA_OK) status = cli_diagnosis_run(call, &w->analysis);
-    if (status == MUKCA_OK) status = take_offsets(call);
+    MUKCA_TRY(cli_read(call, CLI_READS_CONDENSED));
+    MUKCA_TRY(cli_diagnosis_run(call, &w->analysis));
+    MUKCA_TRY(take_offsets(call));
     w->page.diagnosed = w->analysis.result;
     w->page.diagnosed.saved = true;
-    w->page.free_base = w->analysis.options.free_base,
+    w->page.free_base = w->analysis.options.free_base;
     w->page.free_tool = w->analysis.options.free_tool;
-    return status == MUKCA_OK ? mukca_report_prepare(&w->page, &call->error) : status;
+    return mukca_report_prepare(&w->page, &call->error);
 }
 
 static mukca_status run(cli_call *call)
 {
     const report_options *o = call->options;
-    return o->fleet ? prepare_fleet(call) : prepare_arm(call);
+    report_work *w = call->work;
+    if (!o->fleet) return prepare_arm(call);
+    MUKCA_TRY(cli_fleet_read(call, &w->fleet));
+    return mukca_fleet_pool(&w->fleet, &call->error);
 }
 
 static mukca_status print(cli_call *call)

@@ -34,7 +34,7 @@ static bool score(cli_scored *set, mukca_pool *pool, const mukca_model models[CL
 }
 
 mukca_status cli_scores_make(cli_call *call, cli_scores *scores, const mukca_chain *chain,
-                             const double *theta, const mukca_offsets *offsets, const char *name)
+                             const mukca_offsets *offsets, const char *name)
 {
     cli_session *s = call->session;
     mukca_effect effects[MUKCA_MAX_EFFECTS];
@@ -50,14 +50,14 @@ mukca_status cli_scores_make(cli_call *call, cli_scores *scores, const mukca_cha
     for (cli_scored *set = scores->set; set < scores->set + 2 && set->data->n_rows > 0; set++) {
         const mukca_dataset *d = set->data;
         const bool by_log = scores->by_log && (d->n_files > 1 || d->n_targets > 1);
-        if (offsets) mukca_offsets_place_effects(effects, offsets, d);
+        mukca_offsets_place_effects(effects, offsets, d);
         const mukca_model models[CLI_MODELS] = {
             [CLI_NOMINAL] = {.chain = chain, .theta = urdf, .by_log = by_log},
             [CLI_FACTORY] = {.chain = chain, .theta = scores->nominal_theta, .by_log = by_log},
             [CLI_CALIBRATED] = {.chain = chain,
-                                .theta = theta,
+                                .theta = offsets->theta,
                                 .effects = effects,
-                                .n_effects = offsets ? offsets->n_effects : 0,
+                                .n_effects = offsets->n_effects,
                                 .by_log = by_log}};
         if (!score(set, &call->pool, models, scores->has_factory))
             return cli_fail(call, MUKCA_MEMORY, "out of memory for %d rows", d->n_rows);

@@ -26,9 +26,9 @@ typedef struct {
 } cli_scores;
 
 /* Score the session's data, under this `name`, and test data at the chain's nominal parameters and
- * at theta with the effects of `offsets` (NULL: none).  Errors: MUKCA_MEMORY. */
+ * at those of `offsets` with its effects.  Errors: MUKCA_MEMORY. */
 mukca_status cli_scores_make(cli_call *call, cli_scores *scores, const mukca_chain *chain,
-                             const double *theta, const mukca_offsets *offsets, const char *name);
+                             const mukca_offsets *offsets, const char *name);
 
 /* JSON array with one object per placement. */
 json_t *cli_scores_json(const cli_scored *set, bool factory);

@@ -23,7 +23,7 @@ typedef struct {
     bool answered;
     mukca_status status;
     mukca_message_result result;
-} client;
+} send_work;
 
 /* The offsets table as text, without comments. */
 static void print_table(const mukca_message_result *m)
@@ -38,13 +38,13 @@ static void print_table(const mukca_message_result *m)
 
 /* Print the reply: its line, then the table.  With --json - standard output is JSON, and the table
  * is omitted. */
-static void take_result(client *c, const mukca_message_result *m)
+static void take_result(send_work *c, const mukca_message_result *m)
 {
     if (m->id != c->id) return;
     c->answered = true;
     c->status = (mukca_status)m->code;
     if (c->status != MUKCA_OK && c->status != MUKCA_NEGATIVE)
-        mukca_fail(&c->call->error, c->status, "%.250s", m->text);
+        cli_fail(c->call, c->status, "%.250s", m->text);
     else if (m->n)
         cli_log(c->call, "%s\n", m->text);
     else
@@ -64,7 +64,7 @@ static void take_result(client *c, const mukca_message_result *m)
 }
 
 /* Write a status message as JSON, by default to standard output. */
-static void take_status(client *c, const mukca_message_status *m)
+static void take_status(send_work *c, const mukca_message_status *m)
 {
     cli_common *common = c->call->common;
     if (!common->json) common->json = "-";
@@ -79,21 +79,19 @@ static void take_status(client *c, const mukca_message_status *m)
 
 static void on_packet(void *context, const mukca_lcm_packet *packet)
 {
-    client *c = context;
+    send_work *c = context;
     mukca_message_status status;
-    mukca_error foreign;
     if (c->answered) return;
     if (c->wants_status) {
-        if (!mukca_message_decode(&status, MUKCA_MESSAGE_STATUS, packet->data, packet->size,
-                                  &foreign))
+        if (!mukca_message_decode(&status, MUKCA_MESSAGE_STATUS, packet->data, packet->size, NULL))
             take_status(c, &status);
     } else if (!mukca_message_decode(&c->result, MUKCA_MESSAGE_RESULT, packet->data, packet->size,
-                                     &foreign)) {
+                                     NULL)) {
         take_result(c, &c->result);
     }
 }
 
-static mukca_status send_command(client *c)
+static mukca_status send_command(send_work *c)
 {
     const cli_list *words = &c->call->arguments;
     const send_options *o = c->call->options;
@@ -102,12 +100,10 @@ static mukca_status send_command(client *c)
     mukca_message_command command = {
         .utime = mukca_lcm_link_clock(&c->link), .id = c->id, .verb = words->items[0]};
     if (words->n - 1 > MUKCA_MESSAGE_ARGUMENTS)
-        return mukca_fail(&c->call->error, MUKCA_USAGE, "at most %d arguments",
-                          MUKCA_MESSAGE_ARGUMENTS);
+        return cli_fail(c->call, MUKCA_USAGE, "at most %d arguments", MUKCA_MESSAGE_ARGUMENTS);
     for (int i = 1; i < words->n; i++) command.argument[command.n++] = words->items[i];
     size_t size = mukca_message_encode(buffer, 4096, MUKCA_MESSAGE_COMMAND, &command);
-    if (!size || size > 4096)
-        return mukca_fail(&c->call->error, MUKCA_USAGE, "the arguments are too long");
+    if (!size || size > 4096) return cli_fail(c->call, MUKCA_USAGE, "the arguments are too long");
     mukca_message_channel(channel, MUKCA_MESSAGE_COMMAND, o->prefix);
     if (o->key) {
         const mukca_lcm_packet packet = {.channel = channel, .data = buffer, .size = size};
@@ -134,7 +130,7 @@ static mukca_status run(cli_call *call)
 {
     const send_options *o = call->options;
     mukca_error *error = &call->error;
-    client *c = call->work;
+    send_work *c = call->work;
     mukca_lcm_channels channels = {.all = false};
     char *channel = channels.name[0];
     struct timespec t;
@@ -142,33 +138,33 @@ static mukca_status run(cli_call *call)
     clock_gettime(CLOCK_REALTIME, &t);
     c->id = (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
     c->wants_status = strcmp(call->arguments.items[0], "status") == 0;
-    mukca_status status = check_verb(call, call->arguments.items[0]);
-    if (status == MUKCA_OK && o->key) status = mukca_lcm_key_read(&c->key, o->key, error);
-    if (status == MUKCA_OK)
-        status = mukca_lcm_link_open(&c->link, &o->network, on_packet, c, error);
-    if (status == MUKCA_OK && c->link.replays)
-        status = mukca_fail(error, MUKCA_USAGE, "commands need a network, not a log");
+    MUKCA_TRY(check_verb(call, call->arguments.items[0]));
+    MUKCA_TRY(o->key ? mukca_lcm_key_read(&c->key, o->key, error) : MUKCA_OK);
+    MUKCA_TRY(mukca_lcm_link_open(&c->link, &o->network, on_packet, c, error));
+    if (c->link.replays)
+        return mukca_fail(error, MUKCA_USAGE, "commands need a network, not a log");
     mukca_message_channel(channel, c->wants_status ? MUKCA_MESSAGE_STATUS : MUKCA_MESSAGE_RESULT,
                           o->prefix);
-    if (status == MUKCA_OK) mukca_lcm_multicast_listen(c->link.multicast, &channels);
-    if (status == MUKCA_OK && !c->wants_status) status = send_command(c);
-    double deadline = cli_elapsed(call) + o->timeout;
-    while (status == MUKCA_OK && !c->answered) {
-        status = mukca_lcm_link_wait(&c->link, 100, -1, NULL, error);
+    mukca_lcm_multicast_listen(c->link.multicast, &channels);
+    MUKCA_TRY(c->wants_status ? MUKCA_OK : send_command(c));
+    const double deadline = cli_elapsed(call) + o->timeout;
+    while (!c->answered) {
+        const mukca_status status = mukca_lcm_link_wait(&c->link, 100, -1, NULL, error);
         if (cli_interrupted())
             return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted; serve completes the command");
-        if (status == MUKCA_OK && !c->answered && cli_elapsed(call) > deadline)
-            status = mukca_fail(error, MUKCA_TRANSPORT,
-                                "no answer on %s for %g s: is mukca serve running on this network "
-                                "(--lcm-url, --prefix)?",
-                                channel, o->timeout);
+        if (status != MUKCA_OK) return status;
+        if (!c->answered && cli_elapsed(call) > deadline)
+            return mukca_fail(error, MUKCA_TRANSPORT,
+                              "no answer on %s for %g s: is mukca serve running on this network "
+                              "(--lcm-url, --prefix)?",
+                              channel, o->timeout);
     }
-    return status ? status : c->status;
+    return c->status;
 }
 
 static void release(void *work)
 {
-    client *c = work;
+    send_work *c = work;
     mukca_lcm_link_close(&c->link);
 }
 
@@ -202,6 +198,6 @@ const cli_command cli_command_send = {
     .options_size = sizeof(send_options),
     .defaults = &defaults,
     .run = run,
-    .work_size = sizeof(client),
+    .work_size = sizeof(send_work),
     .release = release,
 };

@@ -19,11 +19,11 @@ typedef struct {
     mukca_server server;
     cli_relay relay;
     bool quiet;
-} work;
+} serve_work;
 
 static void report(void *context, const char *line)
 {
-    work *w = context;
+    serve_work *w = context;
     char text[MUKCA_RECORDER_LINE + 1];
     snprintf(text, sizeof text, "%s\n", line);
     if (!w->quiet) cli_relay_write(&w->relay, text);
@@ -49,7 +49,7 @@ static mukca_status check(cli_call *call)
 static mukca_status run(cli_call *call)
 {
     serve_options *o = call->options;
-    work *w = call->work;
+    serve_work *w = call->work;
     mukca_server *s = &w->server;
     const cli_model *model = &call->session->model;
     mukca_server_options *options = &o->server;
@@ -59,19 +59,18 @@ static mukca_status run(cli_call *call)
     cli_live_complete(&o->live, call->common);
     options->recorder = o->live.recorder;
     cli_live_arguments(options->arguments, call);
-    mukca_status status =
-        mukca_server_open(s, options, &model->chain, model->offsets.theta, &hooks, &call->error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(
+        mukca_server_open(s, options, &model->chain, model->offsets.theta, &hooks, &call->error));
     cli_relay_open(&w->relay);
-    status = mukca_server_run(s, &call->error);
+    const mukca_status status = mukca_server_run(s, &call->error);
     cli_relay_close(&w->relay);
     conclude(call, s);
     return status;
 }
 
-static void release(void *context)
+static void release(void *work)
 {
-    mukca_server_close(&((work *)context)->server);
+    mukca_server_close(&((serve_work *)work)->server);
 }
 
 static const cli_option options[] = {
@@ -122,6 +121,6 @@ const cli_command cli_command_serve = {
     .check = check,
     .reads = CLI_READS_MODEL,
     .run = run,
-    .work_size = sizeof(work),
+    .work_size = sizeof(serve_work),
     .release = release,
 };

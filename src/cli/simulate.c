@@ -24,11 +24,11 @@ typedef struct {
     mukca_corrected arm;
     cli_simulated hidden; /* effects and faults */
     int n_places;         /* of the session; the held-out ones follow */
-    mukca_place places[CLI_MAX_PLACES];
+    mukca_place places[MUKCA_MAX_PLACEMENTS];
     mukca_simulate_options recording;
     mukca_simulated_motion motion;
     mukca_rows rows; /* of --at */
-} simulation;
+} simulate_work;
 
 static const simulate_options defaults = {.recording.rows = 30,
                                           .motion = {.runs = 1, .rate = 200, .speed = 1}};
@@ -41,54 +41,54 @@ static const cli_option options[] = {
     CLI_OPTION(
         simulate_options, effects, "effect", CLI_TEXTS, "EFFECT",
         "NAME[:WHERE][@VARIANT]=VALUE, see above; repeatable, or several with commas between"),
-    CLI_OPTION_AND(simulate_options, placements, "placements", CLI_INTEGER, "N",
-                   "placements of the tool, chosen at random (default: 4, or those of --place)",
-                   .least = 1, .most = CLI_MAX_PLACES - 1, .excludes = LOGS),
-    CLI_OPTION_AND(simulate_options, places, "place", CLI_TEXTS, "NAME[=X,Y,Z[,ROLL,PITCH,YAW]]",
-                   "name of a placement, and its pose: middle of the sockets, which lie on its x "
-                   "axis, m and rad",
-                   .excludes = LOGS),
-    CLI_RANGE_OPTION(simulate_options, recording.rows, "rows", CLI_INTEGER, "N", 2, 100000,
-                     "samples in each of the two sockets (default: 30)"),
-    CLI_RANGE_OPTION(simulate_options, recording.noise, "noise", CLI_NUMBER, "M", 0, 1,
-                     "measurement noise of the ball per axis, m (default: 0)"),
+    CLI_OPTION(simulate_options, placements, "placements", CLI_INTEGER, "N",
+               "placements of the tool, chosen at random (default: 4, or those of --place)",
+               .least = 1, .most = MUKCA_MAX_PLACEMENTS - 1, .excludes = LOGS),
+    CLI_OPTION(simulate_options, places, "place", CLI_TEXTS, "NAME[=X,Y,Z[,ROLL,PITCH,YAW]]",
+               "name of a placement, and its pose: middle of the sockets, which lie on its x "
+               "axis, m and rad",
+               .excludes = LOGS),
+    CLI_OPTION(simulate_options, recording.rows, "rows", CLI_INTEGER, "N",
+               "samples in each of the two sockets (default: 30)", .least = 2, .most = 100000),
+    CLI_OPTION(simulate_options, recording.noise, "noise", CLI_NUMBER, "M",
+               "measurement noise of the ball per axis, m (default: 0)", .most = 1),
     CLI_OPTION(simulate_options, recording.effort, "effort", CLI_FLAG, NULL,
                "add measured joint efforts"),
     CLI_OPTION(simulate_options, recording.command, "command", CLI_FLAG, NULL,
                "add commanded angles; with readback_lag the readings lag behind them"),
-    CLI_RANGE_OPTION(simulate_options, recording.payload, "payload", CLI_NUMBER, "KG", 0,
-                     MUKCA_ROWS_MOST_PAYLOAD, "mass at the tip beyond the model (default: none)"),
-    CLI_RANGE_OPTION(simulate_options, poses, "poses", CLI_INTEGER, "N", 1, 10000000,
-                     "a pose log of N samples instead of sockets"),
-    CLI_OPTION_AND(simulate_options, at, "at", CLI_INPUT, "FILE",
-                   "a pose log at the joint angles of this table, row by row",
-                   .excludes = "poses held-out"),
-    CLI_OPTION_AND(simulate_options, recording.position_only, "position-only", CLI_FLAG, NULL,
-                   "pose log without orientations", .needs = LOGS),
-    CLI_OPTION_AND(simulate_options, recording.rotation, "rotation-noise", CLI_NUMBER, "RAD",
-                   "measurement noise of the orientations in a pose log, per axis, rad", .most = 1,
-                   .needs = LOGS),
-    CLI_OPTION_AND(simulate_options, held_out, "held-out", CLI_INTEGER, "N",
-                   "further placements (or poses) of the same arm, for --test", .least = 1,
-                   .most = 10000000, .needs = "test"),
-    CLI_OPTION_AND(simulate_options, test, "test", CLI_OUTPUT, "FILE",
-                   "write the held-out data there", .needs = "held-out"),
-    CLI_OPTION_AND(simulate_options, motion.seconds, "motion", CLI_NUMBER, "S",
-                   "instead, runs of the moving arm of so many seconds, with joint efforts",
-                   .least = 1, .most = 1e5,
-                   .excludes = "perturb placements place rows noise effort command payload "
-                               "poses at position-only rotation-noise held-out test offsets"),
-    CLI_OPTION_AND(simulate_options, motion.runs, "runs", CLI_INTEGER, "N",
-                   "runs one after the other, 10 s apart (default: 1)", .least = 1, .most = 1000,
-                   .needs = "motion"),
-    CLI_OPTION_AND(simulate_options, motion.rate, "rate", CLI_NUMBER, "HZ",
-                   "rows per second (default: 200)", .least = 10, .most = 1e5, .needs = "motion"),
-    CLI_OPTION_AND(simulate_options, motion.speed, "speed", CLI_POSITIVE, "RAD/S",
-                   "largest velocity of the joints (default: 1)", .most = 100, .needs = "motion"),
-    CLI_OPTION_AND(simulate_options, motion.noise, "torque-noise", CLI_NUMBER, "SHARE",
-                   "measurement noise of the efforts, a share of half of each joint's range "
-                   "(default: 0)",
-                   .most = 1, .needs = "motion"),
+    CLI_OPTION(simulate_options, recording.payload, "payload", CLI_NUMBER, "KG",
+               "mass at the tip beyond the model (default: none)", .most = MUKCA_ROWS_MOST_PAYLOAD),
+    CLI_OPTION(simulate_options, poses, "poses", CLI_INTEGER, "N",
+               "a pose log of N samples instead of sockets", .least = 1, .most = 10000000),
+    CLI_OPTION(simulate_options, at, "at", CLI_INPUT, "FILE",
+               "a pose log at the joint angles of this table, row by row",
+               .excludes = "poses held-out"),
+    CLI_OPTION(simulate_options, recording.position_only, "position-only", CLI_FLAG, NULL,
+               "pose log without orientations", .needs = LOGS),
+    CLI_OPTION(simulate_options, recording.rotation, "rotation-noise", CLI_NUMBER, "RAD",
+               "measurement noise of the orientations in a pose log, per axis, rad", .most = 1,
+               .needs = LOGS),
+    CLI_OPTION(simulate_options, held_out, "held-out", CLI_INTEGER, "N",
+               "further placements (or poses) of the same arm, for --test", .least = 1,
+               .most = 10000000, .needs = "test"),
+    CLI_OPTION(simulate_options, test, "test", CLI_OUTPUT, "FILE", "write the held-out data there",
+               .needs = "held-out"),
+    CLI_OPTION(simulate_options, motion.seconds, "motion", CLI_NUMBER, "S",
+               "instead, runs of the moving arm of so many seconds, with joint efforts", .least = 1,
+               .most = 1e5,
+               .excludes = "perturb placements place rows noise effort command payload "
+                           "poses at position-only rotation-noise held-out test offsets"),
+    CLI_OPTION(simulate_options, motion.runs, "runs", CLI_INTEGER, "N",
+               "runs one after the other, 10 s apart (default: 1)", .least = 1, .most = 1000,
+               .needs = "motion"),
+    CLI_OPTION(simulate_options, motion.rate, "rate", CLI_NUMBER, "HZ",
+               "rows per second (default: 200)", .least = 10, .most = 1e5, .needs = "motion"),
+    CLI_OPTION(simulate_options, motion.speed, "speed", CLI_POSITIVE, "RAD/S",
+               "largest velocity of the joints (default: 1)", .most = 100, .needs = "motion"),
+    CLI_OPTION(simulate_options, motion.noise, "torque-noise", CLI_NUMBER, "SHARE",
+               "measurement noise of the efforts, a share of half of each joint's range "
+               "(default: 0)",
+               .most = 1, .needs = "motion"),
     CLI_OPTION(simulate_options, seed, "seed", CLI_INTEGER, "N",
                "seed of all random numbers (default: 0)"),
     CLI_OPTION(simulate_options, truth, "truth", CLI_OUTPUT, "FILE",
@@ -107,36 +107,34 @@ static bool is_log(const simulate_options *o)
 }
 
 /* All placements: those of the session, then the held-out ones. */
-static mukca_status name_places(simulation *s, const simulate_options *o, mukca_error *error)
+static mukca_status name_places(simulate_work *s, const simulate_options *o, mukca_error *error)
 {
     const int held_out = is_log(o) ? 0 : o->held_out;
     const int n = is_log(o) ? 0 : o->placements ? o->placements : o->places.n ? o->places.n : 4;
-    if (n < o->places.n || n >= CLI_MAX_PLACES || held_out > CLI_MAX_PLACES - n)
+    if (n < o->places.n || n >= MUKCA_MAX_PLACEMENTS || held_out > MUKCA_MAX_PLACEMENTS - n)
         return mukca_fail(error, MUKCA_USAGE,
                           "--placements %d: must be at most %d with --held-out, and not below the "
                           "number of --place",
-                          n, CLI_MAX_PLACES);
+                          n, MUKCA_MAX_PLACEMENTS);
     s->n_places = n;
     for (int i = 0; i < n + held_out; i++) {
         mukca_place *p = &s->places[i];
-        mukca_status status = MUKCA_OK;
-        if (i < o->places.n)
-            status = cli_read_place(p, o->places.items[i], error);
-        else
+        if (i < o->places.n) {
+            MUKCA_TRY(cli_read_place(p, o->places.items[i], error));
+        } else {
             snprintf(p->name, sizeof p->name, i < n ? "p%d" : "held_out_%d",
                      i < n ? i + 1 : i - n + 1);
-        for (int k = 0; k < i && status == MUKCA_OK; k++)
+        }
+        for (int k = 0; k < i; k++)
             if (strcmp(s->places[k].name, p->name) == 0)
-                status =
-                    mukca_fail(error, MUKCA_USAGE, "two placements have the name '%s'", p->name);
-        if (status) return status;
+                return mukca_fail(error, MUKCA_USAGE, "two placements have the name '%s'", p->name);
     }
     return mukca_simulate_places(s->places, n + held_out, &s->model->chain, s->recording.distance,
                                  s->recording.seed, error);
 }
 
 /* Gather the effects of --offsets, then those of --effect. */
-static mukca_status gather_effects(simulation *s, const simulate_options *o, mukca_error *error)
+static mukca_status gather_effects(simulate_work *s, const simulate_options *o, mukca_error *error)
 {
     cli_simulated *hidden = &s->hidden;
     const mukca_offsets *given = &s->model->offsets;
@@ -153,17 +151,15 @@ static mukca_status gather_effects(simulation *s, const simulate_options *o, muk
             if (strcmp(s->places[p].name, name) == 0) effect.placement = p;
         if (!name || effect.placement >= 0) hidden->effects[hidden->n_effects++] = effect;
     }
-    for (int i = 0; i < o->effects.n; i++) {
-        mukca_status status = cli_simulated_parse(hidden, o->effects.items[i], error);
-        if (status) return status;
-    }
+    for (int i = 0; i < o->effects.n; i++)
+        MUKCA_TRY(cli_simulated_parse(hidden, o->effects.items[i], error));
     memcpy(s->arm.effects, hidden->effects, sizeof hidden->effects);
     s->arm.n_effects = hidden->n_effects;
     return MUKCA_OK;
 }
 
 /* The true arm as an offsets table, without recording faults. */
-static void set_truth(simulation *s)
+static void set_truth(simulate_work *s)
 {
     for (int p = 0; p < s->n_places; p++)
         memcpy(s->truth.placements[p], s->places[p].name, MUKCA_NAME_SIZE);
@@ -178,7 +174,7 @@ static void set_truth(simulation *s)
 static mukca_status prepare_motion(cli_call *call)
 {
     const simulate_options *o = call->options;
-    simulation *s = call->work;
+    simulate_work *s = call->work;
     s->model = &call->session->model;
     s->motion = o->motion;
     s->motion.seed = (uint64_t)o->seed;
@@ -188,18 +184,17 @@ static mukca_status prepare_motion(cli_call *call)
     s->hidden.moves = true;
     if (!s->model->chain.n_masses)
         return cli_fail(call, MUKCA_USAGE, "--motion needs link masses; give --inertials FILE");
-    mukca_status status = MUKCA_OK;
-    for (int i = 0; i < o->effects.n && status == MUKCA_OK; i++)
-        status = cli_simulated_parse(&s->hidden, o->effects.items[i], &call->error);
+    for (int i = 0; i < o->effects.n; i++)
+        MUKCA_TRY(cli_simulated_parse(&s->hidden, o->effects.items[i], &call->error));
     s->motion.n_effects = s->hidden.n_torques;
-    return status;
+    return MUKCA_OK;
 }
 
 /* Fill the zeroed simulation from the options of the call. */
 static mukca_status prepare(cli_call *call)
 {
     const simulate_options *o = call->options;
-    simulation *s = call->work;
+    simulate_work *s = call->work;
     double perturb[2] = {0, 0};
     s->model = &call->session->model;
     if (o->perturb && cli_read_list(perturb, 2, o->perturb) != 2)
@@ -216,10 +211,10 @@ static mukca_status prepare(cli_call *call)
                            1e-3 * perturb[0], 1e-3 * perturb[1], s->recording.seed);
     for (int i = 0; i < MUKCA_MAX_THETA; i++) s->truth.identifiable[i] = s->truth.listed[i];
     mukca_simulate_arm(&s->arm, &s->model->chain, s->truth.theta);
-    mukca_status status = name_places(s, o, &call->error);
-    if (status == MUKCA_OK) status = gather_effects(s, o, &call->error);
-    if (status == MUKCA_OK) set_truth(s);
-    return status;
+    MUKCA_TRY(name_places(s, o, &call->error));
+    MUKCA_TRY(gather_effects(s, o, &call->error));
+    set_truth(s);
+    return MUKCA_OK;
 }
 
 /* ---- recording ---- */
@@ -233,7 +228,7 @@ static bool moves(const simulate_options *o)
 static void write_origin(cli_call *call, FILE *stream, const char *kind)
 {
     const simulate_options *o = call->options;
-    const simulation *s = call->work;
+    const simulate_work *s = call->work;
     const mukca_chain *chain = &s->model->chain;
     fprintf(stream, "# mukca %s\n# robot: %s\n# stream: raw\n# base: %s\n# tip: %s\n", kind,
             chain->robot, chain->base, chain->tip);
@@ -252,7 +247,7 @@ static void write_origin(cli_call *call, FILE *stream, const char *kind)
 static mukca_status write_data(cli_call *call, FILE *stream, const mukca_dataset *data,
                                const char *path)
 {
-    const simulation *s = call->work;
+    const simulate_work *s = call->work;
     write_origin(call, stream, s->n_places ? "session" : "pose log");
     mukca_dataset_write(stream, data, &s->model->chain, mukca_dataset_separator(path));
     return MUKCA_OK;
@@ -260,16 +255,23 @@ static mukca_status write_data(cli_call *call, FILE *stream, const mukca_dataset
 
 static mukca_status write_effects(cli_call *call, FILE *stream)
 {
-    const simulation *s = call->work;
+    const simulate_work *s = call->work;
     write_origin(call, stream, "motion: the true effects");
     cli_write_torques(stream, &s->motion);
     return MUKCA_OK;
 }
 
+static mukca_status write_truth(cli_call *call, FILE *stream)
+{
+    const simulate_work *s = call->work;
+    return mukca_offsets_write(stream, &s->truth, &s->model->chain, NULL,
+                               "the true arm of a simulation", &call->error);
+}
+
 static mukca_status write_recording(cli_call *call, FILE *stream)
 {
     const simulate_options *o = call->options;
-    const simulation *s = call->work;
+    const simulate_work *s = call->work;
     const char *path = call->common->output ? call->common->output : "-";
     if (!moves(o)) return write_data(call, stream, &call->session->data, path);
     write_origin(call, stream, "runs");
@@ -286,14 +288,14 @@ static mukca_status write_test(cli_call *call, FILE *stream)
 static mukca_status record_at(cli_call *call, mukca_dataset *data)
 {
     const simulate_options *o = call->options;
-    simulation *s = call->work;
+    simulate_work *s = call->work;
     const size_t size = (size_t)s->model->chain.n_joints * sizeof(double);
     const mukca_rows_options header = {.kind = MUKCA_EITHER, .unchecked = true};
     double *q = NULL;
     int count = 0;
     mukca_row row;
-    mukca_status status = mukca_rows_open(&s->rows, o->at, &s->model->chain, &header, &call->error);
-    if (status != MUKCA_OK) return status;
+    mukca_status status = MUKCA_OK;
+    MUKCA_TRY(mukca_rows_open(&s->rows, o->at, &s->model->chain, &header, &call->error));
     while (status == MUKCA_OK && mukca_rows_next(&s->rows, &row)) {
         double *added = mukca_list_append(&q, &count, size);
         if (added)
@@ -313,7 +315,7 @@ static mukca_status record_at(cli_call *call, mukca_dataset *data)
 static mukca_status record(cli_call *call, mukca_dataset *data, bool held_out)
 {
     const simulate_options *o = call->options;
-    simulation *s = call->work;
+    simulate_work *s = call->work;
     if (o->at) return record_at(call, data);
     if (held_out) s->recording.seed ^= 0x686f6c646f757421u; /* different postures and noise */
     if (o->poses)
@@ -333,18 +335,14 @@ static mukca_status record(cli_call *call, mukca_dataset *data, bool held_out)
 static mukca_status run(cli_call *call)
 {
     const simulate_options *o = call->options;
-    simulation *s = call->work;
-    mukca_status status = moves(o) ? prepare_motion(call) : prepare(call);
-    if (status == MUKCA_OK && moves(o))
-        return o->truth ? cli_write(call, o->truth, write_effects) : MUKCA_OK;
+    simulate_work *s = call->work;
+    MUKCA_TRY(moves(o) ? prepare_motion(call) : prepare(call));
+    if (moves(o)) return cli_write(call, o->truth, write_effects);
     s->truth.acceptance.given = s->truth.acceptance.accepted = s->truth.acceptance.converged = true;
-    if (status == MUKCA_OK) status = record(call, &call->session->data, false);
-    if (status == MUKCA_OK && o->test) status = record(call, &call->session->test, true);
-    if (status == MUKCA_OK && o->test) status = cli_write(call, o->test, write_test);
-    if (status == MUKCA_OK)
-        status = cli_write_offsets(call, o->truth, &s->truth, &s->model->chain, NULL,
-                                   "the true arm of a simulation");
-    return status;
+    MUKCA_TRY(record(call, &call->session->data, false));
+    MUKCA_TRY(o->test ? record(call, &call->session->test, true) : MUKCA_OK);
+    MUKCA_TRY(cli_write(call, o->test, write_test));
+    return cli_write(call, o->truth, write_truth);
 }
 
 const cli_command cli_command_simulate = {
@@ -396,5 +394,5 @@ const cli_command cli_command_simulate = {
     .reads = CLI_READS_MODEL,
     .run = run,
     .table = write_recording,
-    .work_size = sizeof(simulation),
+    .work_size = sizeof(simulate_work),
 };

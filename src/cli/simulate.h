@@ -40,8 +40,6 @@ mukca_status cli_write_motion(FILE *stream, const mukca_simulated_motion *motion
 /* Its effects as a table of the columns of `mukca motion -o`. */
 void cli_write_torques(FILE *stream, const mukca_simulated_motion *motion);
 
-enum { CLI_MAX_PLACES = MUKCA_MAX_PLACEMENTS };
-
 /* One --place NAME[=X,Y,Z[,ROLL,PITCH,YAW]], of simulate and plan.  Errors: MUKCA_USAGE. */
 mukca_status cli_read_place(mukca_place *place, const char *text, mukca_error *error);
 

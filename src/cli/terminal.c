@@ -128,23 +128,23 @@ static void clear_progress(cli_call *call)
     call->showing = false;
 }
 
-/* vfprintf without control characters: of file names, or of tables. */
-static void print(FILE *stream, const char *format, va_list args)
+void cli_print(FILE *stream, const char *format, ...)
 {
     char text[4096];
+    if (!stream) return;
+    va_list args;
+    va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
-    mukca_utf8_mend(text);
+    va_end(args);
+    mukca_utf8_mend(text); /* of file names, or of tables */
     fputs(text, stream);
 }
 
-void cli_log(cli_call *call, const char *format, ...)
+FILE *cli_log_stream(cli_call *call)
 {
-    if (call->common && call->common->quiet) return;
+    if (call->common && call->common->quiet) return NULL;
     clear_progress(call);
-    va_list args;
-    va_start(args, format);
-    print(stderr, format, args);
-    va_end(args);
+    return stderr;
 }
 
 static void note(void *call, const char *text)
@@ -157,18 +157,19 @@ mukca_notes cli_notes(cli_call *call)
     return (mukca_notes){note, call};
 }
 
-void cli_progress(cli_call *call, const char *what, double done, double total)
+bool cli_show_progress(void *context, double fraction, const char *doing)
 {
-    double t = cli_elapsed(call);
+    cli_call *call = context;
+    const double t = cli_elapsed(call);
     if (call->common->quiet || t < 2 || t - call->progressed < 0.1 || !isatty(STDERR_FILENO))
-        return;
-    double fraction = total > 0 ? done / total : 0;
-    int filled = fraction < 0 ? 0 : fraction > 1 ? 30 : (int)(30 * fraction);
-    fprintf(stderr, "\r%-28.28s [%.*s%*s] %3.0f %%\033[K", what, filled,
+        return !cli_interrupted();
+    const int filled = fraction < 0 ? 0 : fraction > 1 ? 30 : (int)(30 * fraction);
+    fprintf(stderr, "\r%-28.28s [%.*s%*s] %3.0f %%\033[K", doing, filled,
             "##############################", 30 - filled, "", 100 * fraction);
     fflush(stderr);
     call->progressed = t;
     call->showing = true;
+    return !cli_interrupted();
 }
 
 FILE *cli_answer_stream(cli_call *call)
@@ -179,16 +180,6 @@ FILE *cli_answer_stream(cli_call *call)
     const bool taken = call->printed || (c->json && strcmp(c->json, "-") == 0) ||
                        (c->output && strcmp(c->output, "-") == 0);
     return taken ? stderr : stdout;
-}
-
-void cli_answer(cli_call *call, const char *format, ...)
-{
-    FILE *stream = cli_answer_stream(call);
-    if (!stream) return;
-    va_list args;
-    va_start(args, format);
-    print(stream, format, args);
-    va_end(args);
 }
 
 void cli_say(cli_call *call, const char *key, const char *format, ...)
@@ -243,10 +234,4 @@ bool cli_stop(void *context)
 {
     (void)context;
     return cli_interrupted();
-}
-
-bool cli_show_progress(void *call, double fraction, const char *doing)
-{
-    cli_progress(call, doing, fraction, 1);
-    return !cli_interrupted();
 }

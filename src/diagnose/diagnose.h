@@ -248,7 +248,7 @@ typedef struct {
     int efforts;        /* without masses: their sign; 0: by the data */
     mukca_continue_fn *go_on;
     void *go_on_context;
-    int threads; /* 0: one */
+    int threads; /* as of mukca_workers_start */
     mukca_progress_fn *progress;
     void *progress_context;
 } mukca_diagnose_options;

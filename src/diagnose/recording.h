@@ -30,7 +30,7 @@ typedef struct {
     bool base_per_log, tool_per_log; /* if free: one frame, one offset per log */
     const double *mass_factor;       /* [n_bodies] fixed factors instead of estimates, or NULL */
     bool turned_efforts; /* without masses, measured efforts are those of the load on the joint */
-    int threads;         /* the caller's included; 0: it alone */
+    int threads;         /* as of mukca_workers_start */
 } mukca_recording_options;
 
 typedef struct {

@@ -60,7 +60,7 @@ typedef struct {
     mukca_solver_options limits;
     const double *start;  /* [6 * chain.n_elements] initial values; NULL: nominal */
     bool parameters_only; /* only theta: no test of convergence, no identifiability */
-    int threads;          /* of the acceptance, the caller's included; 0: it alone */
+    int threads;          /* of the acceptance, as of mukca_workers_start */
 } mukca_fit_options;
 
 typedef struct {

@@ -28,10 +28,10 @@ static const cli_option options[] = {
     ROW(colour, 0, CLI_CHOICE, "COLOUR", colours),
     ROW(each, 'e', CLI_TEXTS, "TEXT", NULL),
     ROW(test, 0, CLI_REST, "DATA...", NULL),
-    CLI_RANGE_OPTION(test_options, some, "some", CLI_INTEGER, "N", 2, 9, "a few"),
-    CLI_RANGE_OPTION(test_options, weight, "weight", CLI_NUMBER, "W", 0, INFINITY, "a weight"),
-    CLI_OPTION_AND(test_options, angle, "angle", CLI_POSITIVE, "DEG", "an angle", .most = 180,
-                   .needs = "some or --weight", .excludes = "flag text"),
+    CLI_OPTION(test_options, some, "some", CLI_INTEGER, "N", "a few", .least = 2, .most = 9),
+    CLI_OPTION(test_options, weight, "weight", CLI_NUMBER, "W", "a weight", .most = INFINITY),
+    CLI_OPTION(test_options, angle, "angle", CLI_POSITIVE, "DEG", "an angle", .most = 180,
+               .needs = "some or --weight", .excludes = "flag text"),
     CLI_OUTPUT_OPTION("output"),
     {.name = NULL}};
 
@@ -76,6 +76,7 @@ TEST(good_lines_are_understood)
     assert_ok(parse("a"));
     o = call.options;
     assert_true(o->number == 7 && o->colour == 1 && !o->flag && !o->text);
+    assert_true(call.common->distance == MUKCA_DISTANCE && call.common->threads >= 1);
 
     assert_ok(parse("a --test b c - --flag d --test e"));
     o = call.options;

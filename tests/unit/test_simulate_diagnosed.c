@@ -17,7 +17,7 @@ static void check_table(void)
     const char *path;
     of.diagnosis = *d;
     of.result = (mukca_diagnosed){.diagnosis = d, .chain = &s.chain, .data = &data};
-    if (cli_diagnosis_offsets(&call, &of)) fail_msg("%s", call.error.text);
+    if (cli_diagnosis_make_offsets(&call, &of)) fail_msg("%s", call.error.text);
     assert_true(of.offsets.n_effects >= d->n_causes);
     for (int e = 0; e < of.offsets.n_effects; e++)
         for (int t = 0; t < of.offsets.effects[e].terms; t++) {
