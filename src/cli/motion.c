@@ -121,15 +121,6 @@ typedef struct {
     double nominal, fitted; /* in the model, without the effect */
 } table_parameter;
 
-/* What the amplitude of each effect is, in the column `parameter`. */
-static const char *const parameters[MUKCA_MOTION_EFFECTS] = {
-    [MUKCA_MOTION_ARMATURE] = "inertia",    [MUKCA_MOTION_COULOMB] = "torque",
-    [MUKCA_MOTION_VISCOUS] = "damping",     [MUKCA_MOTION_STRIBECK] = "torque",
-    [MUKCA_MOTION_LOAD_FRICTION] = "share", [MUKCA_MOTION_ASYMMETRY] = "damping",
-    [MUKCA_MOTION_OFFSET] = "torque",       [MUKCA_MOTION_TORQUE_GAIN] = "share",
-    [MUKCA_MOTION_DELAY] = "time",          [MUKCA_MOTION_SPRING] = "stiffness",
-    [MUKCA_MOTION_COGGING] = "amplitude",   [MUKCA_MOTION_THERMAL_FRICTION] = "torque"};
-
 static void write_parameter(cli_call *call, FILE *stream, const mukca_motion_alternative *a,
                             int joint, const table_parameter *p)
 {
@@ -148,7 +139,7 @@ static void write_alternative(cli_call *call, FILE *stream, const mukca_motion_a
     const double *nominal = mukca_drives_of(&m->drives, a->effect),
                  *fitted = mukca_drives_of(&m->fitted, a->effect);
     for (int j = a->all ? 0 : a->from; j <= (a->all ? m->n_joints - 1 : a->to); j++) {
-        table_parameter p = {parameters[a->effect], row->unit, a->amplitude, .finding = finding};
+        table_parameter p = {row->coefficient, row->unit, a->amplitude, .finding = finding};
         if (nominal) p.nominal = nominal[j], p.fitted = fitted[j];
         if (!row->links) write_parameter(call, stream, a, j, &p);
         for (int i = 0; i < MUKCA_INERTIAL && row->links; i++) {

@@ -26,11 +26,11 @@ const char *const mukca_torque_family_name[MUKCA_TORQUE_FAMILIES] = {
  * are alternatives of each other. */
 #define RARE 0.2
 
-#define NAMED(called, words, in, with, first, count, options, of, ...)                           \
-    {                                                                                            \
-        .name = (called), .title = (words), .unit = (in), .family = MUKCA_TORQUE_##with,         \
-        .raw = (first), .n = (count), .variants = (options), .scale = MUKCA_PER_##of, .odds = 1, \
-        __VA_ARGS__                                                                              \
+#define NAMED(called, words, what, in, with, first, count, options, of, ...)                \
+    {                                                                                       \
+        .name = (called), .title = (words), .coefficient = (what), .unit = (in),            \
+        .family = MUKCA_TORQUE_##with, .raw = (first), .n = (count), .variants = (options), \
+        .scale = MUKCA_PER_##of, .odds = 1, __VA_ARGS__                                     \
     }
 #define UNKNOWN(with, first, count, of, in, ...)                                            \
     {                                                                                       \
@@ -43,38 +43,38 @@ const char *const mukca_torque_family_name[MUKCA_TORQUE_FAMILIES] = {
     UNKNOWN(ANGLE, MUKCA_RAW_WAVE + 2 * ((a)-1), 2 * ((b) - (a) + 1), RANGE, "N*m", FUNCTION)
 
 const mukca_torque_effect mukca_torque_table[MUKCA_TORQUE_ROWS] = {
-    [MUKCA_MOTION_PAYLOAD] = NAMED("payload", "payload", "kg", GRAVITY, MUKCA_RIGID_LOAD,
+    [MUKCA_MOTION_PAYLOAD] = NAMED("payload", "payload", NULL, "kg", GRAVITY, MUKCA_RIGID_LOAD,
                                    MUKCA_COLUMNS_RIGID, 1, MASS, LARGE, .links = true),
-    [MUKCA_MOTION_LINK_MASS] = NAMED("link_mass", "mass", "kg", GRAVITY, MUKCA_RIGID_MASS,
+    [MUKCA_MOTION_LINK_MASS] = NAMED("link_mass", "mass", NULL, "kg", GRAVITY, MUKCA_RIGID_MASS,
                                      MUKCA_COLUMNS_RIGID, 1, UNIT, MASSES, .links = true),
     [MUKCA_MOTION_LINK_CENTRE] =
-        NAMED("link_centre", "centre of mass", "m", GRAVITY, MUKCA_RIGID_CENTRE,
+        NAMED("link_centre", "centre of mass", NULL, "m", GRAVITY, MUKCA_RIGID_CENTRE,
               MUKCA_COLUMNS_RIGID, 1, UNIT, SMALL, .links = true),
-    [MUKCA_MOTION_ARMATURE] = NAMED("armature", "armature", "kg*m^2", ACCELERATION,
+    [MUKCA_MOTION_ARMATURE] = NAMED("armature", "armature", "inertia", "kg*m^2", ACCELERATION,
                                     MUKCA_RAW_ACCELERATION, 1, 1, INERTIA, INERTIAS),
-    [MUKCA_MOTION_COULOMB] =
-        NAMED("coulomb", "Coulomb friction", "N*m", DIRECTION, MUKCA_RAW_SIGN, 1, 1, RANGE, LARGE),
-    [MUKCA_MOTION_VISCOUS] = NAMED("viscous", "viscous friction", "N*m*s/rad", VELOCITY,
+    [MUKCA_MOTION_COULOMB] = NAMED("coulomb", "Coulomb friction", "torque", "N*m", DIRECTION,
+                                   MUKCA_RAW_SIGN, 1, 1, RANGE, LARGE),
+    [MUKCA_MOTION_VISCOUS] = NAMED("viscous", "viscous friction", "damping", "N*m*s/rad", VELOCITY,
                                    MUKCA_RAW_VELOCITY, 1, 1, SPEED, LARGE),
-    [MUKCA_MOTION_STRIBECK] = NAMED("stribeck", "Stribeck friction", "N*m", VELOCITY,
+    [MUKCA_MOTION_STRIBECK] = NAMED("stribeck", "Stribeck friction", "torque", "N*m", VELOCITY,
                                     MUKCA_RAW_SLOW, 3, MUKCA_SLOWS, RANGE, SMALL),
     /* between that under gravity and that under all torques */
-    [MUKCA_MOTION_LOAD_FRICTION] =
-        NAMED("load_friction", "friction under load", "1", LOAD, MUKCA_RAW_LOAD, 2, 1, UNIT, SMALL),
-    [MUKCA_MOTION_ASYMMETRY] = NAMED("asymmetry", "asymmetric friction", "N*m*s/rad", VELOCITY,
-                                     MUKCA_RAW_SPEED, 1, 1, SPEED, SMALL),
-    [MUKCA_MOTION_OFFSET] =
-        NAMED("offset", "torque offset", "N*m", TORQUE, MUKCA_RAW_ONE, 1, 1, RANGE, SMALL),
-    [MUKCA_MOTION_TORQUE_GAIN] =
-        NAMED("torque_gain", "torque gain", "1", TORQUE, 0, MUKCA_COLUMNS_MODEL, 1, UNIT, GAINS),
+    [MUKCA_MOTION_LOAD_FRICTION] = NAMED("load_friction", "friction under load", "share", "1", LOAD,
+                                         MUKCA_RAW_LOAD, 2, 1, UNIT, SMALL),
+    [MUKCA_MOTION_ASYMMETRY] = NAMED("asymmetry", "asymmetric friction", "damping", "N*m*s/rad",
+                                     VELOCITY, MUKCA_RAW_SPEED, 1, 1, SPEED, SMALL),
+    [MUKCA_MOTION_OFFSET] = NAMED("offset", "torque offset", "torque", "N*m", TORQUE, MUKCA_RAW_ONE,
+                                  1, 1, RANGE, SMALL),
+    [MUKCA_MOTION_TORQUE_GAIN] = NAMED("torque_gain", "torque gain", "share", "1", TORQUE, 0,
+                                       MUKCA_COLUMNS_MODEL, 1, UNIT, GAINS),
     [MUKCA_MOTION_DELAY] =
-        NAMED("delay", "delay", "s", SHIFT, 0, MUKCA_COLUMNS_RATE, 1, UNIT, DELAYS),
-    [MUKCA_MOTION_SPRING] =
-        NAMED("spring", "spring", "N*m/rad", ANGLE, MUKCA_RAW_ANGLE, 2, 1, TRAVEL, SMALL),
-    [MUKCA_MOTION_COGGING] = NAMED("cogging", "cogging", "N*m", ANGLE, MUKCA_RAW_WAVE, 2,
-                                   MUKCA_ORDERS, RANGE, SMALL, .orders = true),
+        NAMED("delay", "delay", "time", "s", SHIFT, 0, MUKCA_COLUMNS_RATE, 1, UNIT, DELAYS),
+    [MUKCA_MOTION_SPRING] = NAMED("spring", "spring", "stiffness", "N*m/rad", ANGLE,
+                                  MUKCA_RAW_ANGLE, 2, 1, TRAVEL, SMALL),
+    [MUKCA_MOTION_COGGING] = NAMED("cogging", "cogging", "amplitude", "N*m", ANGLE, MUKCA_RAW_WAVE,
+                                   2, MUKCA_ORDERS, RANGE, SMALL, .orders = true),
     [MUKCA_MOTION_THERMAL_FRICTION] =
-        NAMED("thermal_friction", "friction that falls with warming", "N*m", TIME,
+        NAMED("thermal_friction", "friction that falls with warming", "torque", "N*m", TIME,
               MUKCA_RAW_WARMING, 2, MUKCA_WARMINGS, RANGE, SMALL),
     UNKNOWN(DIRECTION, MUKCA_RAW_SIGN, 3, RANGE, "N*m", FUNCTION),
     UNKNOWN(DIRECTION, MUKCA_RAW_PLAY, MUKCA_PLAYS, RANGE, "N*m", FUNCTION),

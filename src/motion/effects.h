@@ -59,9 +59,9 @@ typedef enum {
  * MUKCA_RIGID_...; -1: the joint's model torque, -2: the time derivative of its torque. */
 /* NOLINTNEXTLINE(clang-analyzer-optin.performance.Padding): the order of the table's rows */
 typedef struct {
-    const char *name;  /* in JSON; NULL: unknown function */
-    const char *title; /* for people */
-    const char *unit;  /* of the coefficient */
+    const char *name;               /* in JSON; NULL: unknown function */
+    const char *title;              /* for people */
+    const char *coefficient, *unit; /* what it is; NULL: the parameters of a body */
     mukca_torque_family family;
     int raw, n, variants;
     mukca_torque_scale scale;
