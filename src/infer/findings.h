@@ -34,7 +34,7 @@
  * has discounted most.  That something elastic exists is certain; a finding is that it shows. */
 #define MUKCA_FINDING_SQUARE 12.0
 
-enum { MUKCA_MOST_FINDINGS = 16, MUKCA_HALVES = 8 };
+enum { MUKCA_MOST_FINDINGS = 64, MUKCA_HALVES = 8 };
 
 /* What a possible cause says.  Causes with the same label are one. */
 typedef struct {

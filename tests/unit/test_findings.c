@@ -111,6 +111,29 @@ TEST(declared_tie)
     assert_int_equal(choose(2), 0);
 }
 
+/* Eight families at each of four positions: nothing that is sure is left out. */
+TEST(many_findings)
+{
+    enum { FAMILIES = 8, MANY = 4 * FAMILIES };
+    static unsigned short member[MANY];
+    static double product[MANY * MANY];
+    static mukca_label each[MANY];
+    const mukca_labelled_set set = {1, MANY, member, product};
+    const mukca_labelled_sets one = {MANY, 1, each, &set, MUKCA_FINDING_SQUARE, false};
+    const mukca_labelled_sets halves[] = {one, one};
+    mukca_pool pool = {0};
+    int n = 0;
+    for (int i = 0; i < MANY; i++) {
+        const int family = i % FAMILIES, at = i / FAMILIES;
+        each[i] = (mukca_label){.family = family, .effect = family, .from = at, .to = at};
+        member[i] = (unsigned short)i;
+        product[i * MANY + i] = 50;
+    }
+    mukca_findings_choose(out, &n, &pool, &one, halves, 2);
+    mukca_pool_free(&pool);
+    assert_int_equal(n, MANY);
+}
+
 /* Base, joint 0 and joint 1 share one signal: none is sure, a load from the base to joint 1 is. */
 TEST(shared_signal)
 {

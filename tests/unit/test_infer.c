@@ -700,4 +700,33 @@ TEST(duplicates)
     assert_close(probability[8], 0.5, 1e-3);
 }
 
+/* A model that knows no friction lacks three effects at each of seven joints and more: all are in
+ * one set. */
+TEST(many_members)
+{
+    enum { MANY = 32 };
+    static mukca_item item[MANY];
+    static double gram[MANY][MANY], g[MANY];
+    const double square = 50, dof = 1000;
+    mukca_pool pool = {0};
+    mukca_sets sets;
+    for (int i = 0; i < MANY; i++) {
+        item[i] = (mukca_item){
+            .at = i, .terms = 1, .prior = {.n_sizes = 1, .size = {1}}, .log_prior = -3, .key = i};
+        gram[i][i] = g[i] = square;
+    }
+    const mukca_question question = {.n_items = MANY,
+                                     .n_columns = MANY,
+                                     .stride = MANY,
+                                     .dof = (int)dof,
+                                     .item = item,
+                                     .gram = gram[0],
+                                     .g = g,
+                                     .residual = dof + MANY * square};
+    assert_true(mukca_sets_create(&sets, &pool, &question));
+    mukca_sets_explore(&sets, 2 * MANY, false);
+    assert_int_equal(sets.set[sets.best].n, MANY);
+    mukca_pool_free(&pool);
+}
+
 TEST_MAIN(NULL, NULL)
