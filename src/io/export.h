@@ -97,9 +97,9 @@ bool mukca_export_is_tag(const mukca_export_tag *tag, const char *name);
 /* Find the first element `kind` directly below a tag. */
 bool mukca_export_find_below(mukca_export_tag *tag, const mukca_export_tag *of, const char *kind);
 
-/* Locate the value of an attribute in a tag, without its quotes; false: absent. */
-bool mukca_export_find_attribute(size_t *start, size_t *stop, const mukca_export_tag *tag,
-                                 const char *name);
+/* The value of an attribute in a tag, without its quotes, and its length; NULL: absent. */
+const char *mukca_export_find_attribute(size_t *length, const mukca_export_tag *tag,
+                                        const char *name);
 
 /* Print a tag with numbers as the values of attributes set[n], where they are or at its end.  NULL:
  * unchanged. */
@@ -123,6 +123,12 @@ bool mukca_export_same_name(const char *name, const char *other, size_t length);
 /* Read numbers of an attribute; without it they stay.  False: unreadable. */
 bool mukca_export_read_numbers(double *values, int n, const mukca_export_tag *tag,
                                const char *name);
+
+/* Read the pose of a MuJoCo element, from pos and quat if it has them; false: unreadable. */
+bool mukca_export_read_pose(mukca_frame *pose, const mukca_export_tag *tag);
+
+/* Whether a MuJoCo element has its orientation in other numbers than quat. */
+bool mukca_export_lacks_quat(const mukca_export_tag *tag);
 
 /* Find the tag `kind` with a name, or else with a prefix of it, at a depth (-1: any); returns their
  * number. */
