@@ -57,6 +57,11 @@ static void note_loss(const mukca_export_input *input, const mukca_exporter *exp
                       held_out);
 }
 
+static bool holds(const mukca_export_format *format, const mukca_effect *effect)
+{
+    return format->holds_all || (format->holds && format->holds(effect));
+}
+
 /* Keep the effects that the format can represent and note the other functions of the posture.
  * Returns the needs of these. */
 static int keep_held(mukca_offsets *kept, bool *lost, const mukca_export_input *input,
@@ -67,7 +72,7 @@ static int keep_held(mukca_offsets *kept, bool *lost, const mukca_export_input *
     *lost = exporter->format->zeros_only;
     kept->n_effects = 0;
     for (const mukca_effect *effect = o->effects; effect < o->effects + o->n_effects; effect++) {
-        if (exporter->format->holds && exporter->format->holds(effect)) {
+        if (holds(exporter->format, effect)) {
             kept->effects[kept->n_effects++] = *effect;
             continue;
         }
@@ -119,8 +124,7 @@ mukca_status mukca_export_write(FILE *stream, const mukca_exporter *exporter,
     const mukca_export_format *format = exporter->format;
     const mukca_offsets *o = input->offsets;
     bool whole = !format->zeros_only;
-    for (int e = 0; e < o->n_effects && format->holds; e++)
-        whole = whole && format->holds(&o->effects[e]);
+    for (int e = 0; e < o->n_effects; e++) whole = whole && holds(format, &o->effects[e]);
     replacement *r = NULL;
     mukca_status status = MUKCA_OK;
     if (!whole) {

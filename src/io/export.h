@@ -37,14 +37,21 @@ typedef struct {
 
 /* Calibrated origin of an element: xyz (m), rpy (rad), and the quaternion, w first. */
 typedef struct {
-    double xyz[3], rpy[3], quaternion[4];
+    union {
+        struct {
+            double xyz[3], rpy[3];
+        };
+        double theta[MUKCA_PARAMETERS]; /* the same */
+    };
+    double quaternion[4];
+    bool moved; /* differs from the URDF's */
 } mukca_export_origin;
 
 /* All functions may fail with MUKCA_INPUT or MUKCA_MEMORY. */
 typedef struct {
     mukca_status (*write)(FILE *stream, const mukca_export_input *input);
-    /* whether the format can represent an effect; NULL: all effects */
-    bool (*holds)(const mukca_effect *effect);
+    bool holds_all;                            /* the format can represent every effect, */
+    bool (*holds)(const mukca_effect *effect); /* or these; NULL: none */
     bool zeros_only;        /* the format has one number per joint, added to its angle */
     const char *comment[2]; /* start and end of a comment; NULL: the format is XML */
 } mukca_export_format;
@@ -148,8 +155,6 @@ mukca_frame mukca_export_frame(const double xyz[3], const double rpy[3]);
 #define MUKCA_EXPORT_METRES 2e-3
 #define MUKCA_EXPORT_RADIANS 5e-3
 bool mukca_export_near(const mukca_frame *a, const mukca_frame *b);
-
-bool mukca_export_holds_none(const mukca_effect *effect);
 
 /* Get the calibrated origin; parameters changed by less than 1e-9 m or rad are exactly those of the
  * URDF. */

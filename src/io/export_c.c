@@ -178,4 +178,5 @@ static mukca_status write_c(FILE *stream, const mukca_export_input *input)
     return MUKCA_OK;
 }
 
-const mukca_export_format mukca_export_c = {.write = write_c, .comment = {"/*", "*/"}};
+const mukca_export_format mukca_export_c = {
+    .write = write_c, .holds_all = true, .comment = {"/*", "*/"}};

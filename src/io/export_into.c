@@ -142,5 +142,4 @@ static mukca_status write_into(FILE *stream, const mukca_export_input *input)
     return status;
 }
 
-const mukca_export_format mukca_export_into = {.write = write_into,
-                                               .holds = mukca_export_holds_none};
+const mukca_export_format mukca_export_into = {.write = write_into};

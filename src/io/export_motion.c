@@ -57,9 +57,8 @@ static void note_left_out(const reader *r, double probability)
 }
 
 /* Keep a row of an effect that is more probable than not: of each finding the first one. */
-static void read_row(void *context, mukca_table *table, const int *column)
+static void read_row(reader *r, mukca_table *table, const int *column)
 {
-    reader *r = context;
     patch *p = r->p;
     char *const *cell = table->cell;
     const char *effect = cell[column[EFFECT]], *name = cell[column[JOINT]];
@@ -95,27 +94,26 @@ static void read_row(void *context, mukca_table *table, const int *column)
     if (!held && first) note_left_out(r, probability);
 }
 
-/* Whether the table was made with the URDF of --urdf: its hash is in a comment. */
-static mukca_status check_table(const mukca_export_input *input)
-{
-    mukca_table table;
-    mukca_table_open(&table, input->motion, MUKCA_HEADER, input->error);
-    const bool known = table.comments && strstr(table.comments, input->chain->urdf_sha256);
-    const mukca_status status = mukca_table_close(&table);
-    if (status != MUKCA_OK || known || input->other_arm) return status;
-    return mukca_fail(input->error, MUKCA_INPUT,
-                      "%s: made with another URDF than --urdf; --accept-other-arm uses it "
-                      "nevertheless",
-                      mukca_file_shown(input->motion));
-}
-
+/* Read the table, which has the hash of the URDF that it was made with in a comment. */
 static mukca_status read_changes(patch *p)
 {
+    const mukca_export_input *input = p->input;
     reader r = {.p = p};
+    mukca_table table;
+    int column[COLUMNS];
     for (int j = 0; j < MUKCA_MAX_JOINTS; j++)
         for (int d = 0; d < DRIVES; d++) p->drive[j][d] = (double)NAN;
-    MUKCA_TRY(check_table(p->input));
-    return mukca_table_read(p->input->motion, columns, COLUMNS, read_row, &r, p->input->error);
+    mukca_table_open(&table, input->motion, MUKCA_HEADER, input->error);
+    if (table.status == MUKCA_OK && !strstr(table.comments, input->chain->urdf_sha256) &&
+        !input->other_arm)
+        mukca_table_stop(&table,
+                         mukca_fail(input->error, MUKCA_INPUT,
+                                    "%s: made with another URDF than --urdf; --accept-other-arm "
+                                    "uses it nevertheless",
+                                    mukca_file_shown(input->motion)));
+    for (int i = 0; i < COLUMNS; i++) column[i] = mukca_table_require(&table, columns[i]);
+    while (mukca_table_next(&table)) read_row(&r, &table, column);
+    return mukca_table_close(&table);
 }
 
 /* ---- links and joints ---- */
@@ -317,4 +315,4 @@ static mukca_status write_motion(FILE *stream, const mukca_export_input *input)
     return status;
 }
 
-const mukca_export_format mukca_export_motion = {.write = write_motion};
+const mukca_export_format mukca_export_motion = {.write = write_motion, .holds_all = true};

@@ -79,12 +79,6 @@ void mukca_export_print(FILE *stream, const char *format, ...)
     va_end(args);
 }
 
-bool mukca_export_holds_none(const mukca_effect *effect)
-{
-    (void)effect;
-    return false;
-}
-
 /* Print a name inside a comment of C or XML, without characters that could end the comment. */
 static void print_plain(FILE *stream, const char *text)
 {
@@ -134,11 +128,13 @@ void mukca_export_get_origin(mukca_export_origin *origin, const mukca_export_inp
     const mukca_element *nominal = &input->chain->element[element];
     const double *theta = input->offsets->theta + MUKCA_PARAMETERS * element;
     double R[9];
-    for (int i = 0; i < 3; i++) {
-        origin->xyz[i] =
-            fabs(theta[i] - nominal->xyz[i]) < smallest_offset ? nominal->xyz[i] : theta[i];
-        origin->rpy[i] =
-            fabs(theta[3 + i] - nominal->rpy[i]) < smallest_offset ? nominal->rpy[i] : theta[3 + i];
+    origin->moved = false;
+    memcpy(origin->xyz, nominal->xyz, sizeof origin->xyz);
+    memcpy(origin->rpy, nominal->rpy, sizeof origin->rpy);
+    for (int i = 0; i < MUKCA_PARAMETERS; i++) {
+        if (fabs(theta[i] - origin->theta[i]) < smallest_offset) continue;
+        origin->theta[i] = theta[i];
+        origin->moved = true;
     }
     mukca_rotation_from_rpy(R, origin->rpy);
     mukca_rotation_to_quaternion(origin->quaternion, R);
