@@ -119,9 +119,11 @@ void mukca_export_put_tag(FILE *stream, const mukca_export_tag *tag,
                           const mukca_export_attribute *set, int n);
 
 /* Print `format`, in which a directive stands for each further argument: $i an int; $s a text, $q
- * in double quotes, escaped as C, JSON and YAML require, $x as the value of an attribute in XML; $n
- * a number, and $c, $b numbers (const double *, int) with commas or blanks between, each with the
- * fewest digits that read back exactly, infinite ones as C's HUGE_VAL. */
+ * in double quotes, escaped as C, JSON and YAML require, $x as the value of an attribute in XML, $p
+ * without characters that end a comment of C or XML; $n a number, and $c, $b numbers (const double
+ * *, int) with commas or blanks between, each with the fewest digits that read back exactly,
+ * infinite ones as C's HUGE_VAL; $l integers (const signed char *, int) with
+ * commas. */
 void mukca_export_print(FILE *stream, const char *format, ...);
 
 /* Whether two names are equal, or one has a prefix: "panda_link1" and "link1". */

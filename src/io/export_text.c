@@ -33,6 +33,15 @@ static void print_escaped(FILE *stream, const char *text)
             fputc((unsigned char)*text < ' ' ? ' ' : *text, stream);
 }
 
+static void print_plain(FILE *stream, const char *text)
+{
+    for (; *text; text++)
+        if ((unsigned char)*text < ' ' || (text[0] == '*' && text[1] == '/'))
+            fputc(' ', stream);
+        else
+            fputc(text[0] == '-' && text[1] == '-' ? '_' : *text, stream);
+}
+
 static void print_number(FILE *stream, double value)
 {
     char text[MUKCA_NUMBER_SIZE];
@@ -44,6 +53,7 @@ void mukca_export_print(FILE *stream, const char *format, ...)
 {
     va_list args;
     const double *values;
+    const signed char *list;
     int n;
     va_start(args, format);
     for (const char *c = format; *c; c++) {
@@ -64,8 +74,16 @@ void mukca_export_print(FILE *stream, const char *format, ...)
             case 'x':
                 print_escaped(stream, va_arg(args, const char *));
                 break;
+            case 'p':
+                print_plain(stream, va_arg(args, const char *));
+                break;
             case 'n':
                 print_number(stream, va_arg(args, double));
+                break;
+            case 'l':
+                list = va_arg(args, const signed char *);
+                n = va_arg(args, int);
+                for (int i = 0; i < n; i++) fprintf(stream, i ? ", %d" : "%d", list[i]);
                 break;
             default:
                 values = va_arg(args, const double *);
@@ -79,33 +97,17 @@ void mukca_export_print(FILE *stream, const char *format, ...)
     va_end(args);
 }
 
-/* Print a name inside a comment of C or XML, without characters that could end the comment. */
-static void print_plain(FILE *stream, const char *text)
-{
-    for (; *text; text++)
-        if ((unsigned char)*text < ' ' || (text[0] == '*' && text[1] == '/'))
-            fputc(' ', stream);
-        else
-            fputc(text[0] == '-' && text[1] == '-' ? '_' : *text, stream);
-}
-
 void mukca_export_provenance(FILE *stream, const char *prefix, const mukca_export_input *input)
 {
     char when[32];
     mukca_offsets_time(when);
-    fprintf(stream, "%sWritten by mukca " MUKCA_VERSION " on %s from ", prefix, when);
-    print_plain(stream, mukca_file_name(input->urdf_path));
-    if (input->offsets_path) {
-        fputs(" and ", stream);
-        print_plain(stream, mukca_file_name(input->offsets_path));
-    }
-    fprintf(stream, ".\n%sRobot ", prefix);
-    print_plain(stream, input->chain->robot);
-    fputs(", from link ", stream);
-    print_plain(stream, input->chain->base);
-    fputs(" to ", stream);
-    print_plain(stream, input->chain->tip);
-    fprintf(stream, ".\n%sSHA-256 of the URDF: %s\n", prefix, input->chain->urdf_sha256);
+    mukca_export_print(stream, "$sWritten by mukca " MUKCA_VERSION " on $s from $p", prefix, when,
+                       mukca_file_name(input->urdf_path));
+    if (input->offsets_path)
+        mukca_export_print(stream, " and $p", mukca_file_name(input->offsets_path));
+    mukca_export_print(stream, ".\n$sRobot $p, from link $p to $p.\n$sSHA-256 of the URDF: $s\n",
+                       prefix, input->chain->robot, input->chain->base, input->chain->tip, prefix,
+                       input->chain->urdf_sha256);
 }
 
 void mukca_export_verdict(FILE *stream, const mukca_exporter *exporter, const mukca_acceptance *a)
@@ -113,9 +115,8 @@ void mukca_export_verdict(FILE *stream, const mukca_exporter *exporter, const mu
     const char *const xml[2] = {"<!--", "-->"};
     const char *const *comment = exporter->format->comment[0] ? exporter->format->comment : xml;
     if (!a->given || a->accepted || exporter->format->zeros_only) return;
-    fprintf(stream, "%s The offsets table was not accepted: ", comment[0]);
-    print_plain(stream, a->reason);
-    fprintf(stream, " %s\n", comment[1]);
+    mukca_export_print(stream, "$s The offsets table was not accepted: $p $s\n", comment[0],
+                       a->reason, comment[1]);
 }
 
 void mukca_export_get_origin(mukca_export_origin *origin, const mukca_export_input *input,
