@@ -74,8 +74,8 @@ static bool read_content(mukca_table *t)
         const char *text = t->buffer + strspn(t->buffer, " \t\r");
         if (*text && *text != '#') return true;
         mukca_text comments = {.at = t->comments, .size = COMMENTS, .used = strlen(t->comments)};
-        if (*text && !t->cell && comments.used + strlen(t->buffer) + 2 <= comments.size)
-            mukca_text_put(&comments, "%s\n", t->buffer);
+        const bool fits = comments.used + strlen(t->buffer) + 2 <= comments.size;
+        if (!t->cell) mukca_text_put(&comments, "%s\n", fits ? t->buffer : "");
     }
     return false;
 }

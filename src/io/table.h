@@ -47,8 +47,8 @@ struct mukca_table {
     mukca_unit *unit; /* [n_columns] stated in the header; or NULL */
     bool *used;       /* [n_columns], columns asked for by mukca_table_use; or NULL */
     char *buffer, *header_buffer;
-    char *names;                /* of --columns */
-    char *comments;             /* `#` lines before the header, as many as fit */
+    char *names;    /* of --columns */
+    char *comments; /* lines before the header; without text, but counted, if they do not fit */
     mukca_table_source *source; /* NULL: the stream */
     const double *value;        /* [n_columns] cells as numbers, SI; NaN: not parsed; or NULL */
 };
