@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/hash.h"
 #include "base/pool.h"
 #include "model/dataset_subset.h"
 
@@ -38,16 +39,10 @@ static bool repeats(const mukca_dataset *a, int i, const mukca_dataset *b, int k
     return same;
 }
 
-/* Bucket of a sample by its joint angles, bit by bit: FNV-1a of their words, whose upper half is
- * mixed best. */
+/* Bucket of a sample by its joint angles, bit by bit. */
 static size_t bucket_of(const double *q, int n, int bits)
 {
-    uint64_t hash = 0xcbf29ce484222325u, word;
-    for (int j = 0; j < n; j++) {
-        memcpy(&word, &q[j], sizeof word);
-        hash = (hash ^ word ^ word >> 32) * 0x100000001b3u;
-    }
-    return (size_t)(hash * 0x9e3779b97f4a7c15u >> (64 - bits));
+    return (size_t)(mukca_hash(MUKCA_HASH_START, q, (size_t)n * sizeof *q) >> (64 - bits));
 }
 
 /* original[n_rows]: index of the sample of `reference` (NULL: an earlier one of `data`) that each
