@@ -1,6 +1,7 @@
 /* Names of columns by --columns. */
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "base/file.h"
 #include "io/table.h"
@@ -73,14 +74,11 @@ static int apply(mukca_table *t, char **before)
 
 void mukca_columns_rename(mukca_table *t, const char *columns)
 {
-    FILE *file = strchr(columns, '=') ? NULL : fopen(columns, "r");
     const size_t width = (size_t)t->n_columns + 1;
-    if (file) {
-        fclose(file);
+    if (!strchr(columns, '=') && access(columns, R_OK) == 0)
         mukca_table_stop(t, mukca_file_read(&t->names, columns, t->error));
-    } else {
+    else
         t->names = strdup(columns);
-    }
     if (!t->header) t->header = calloc(width, sizeof *t->header);
     if (!t->unit) t->unit = calloc(width, sizeof *t->unit);
     char **before = calloc(width, sizeof *before);

@@ -230,7 +230,6 @@ static void read_rows(mukca_dataset_builder *b, session *s)
     mukca_row row;
     int measured = 0, unmeasured = 0; /* one per row and target */
     mukca_table *t = &s->rows.table;
-    const char *shown = mukca_file_shown(t->path);
     while (mukca_rows_next(&s->rows, &row)) {
         if (!row.socket && isnan(row.position[0])) { /* the tracker lost the target */
             unmeasured++;
@@ -244,12 +243,12 @@ static void read_rows(mukca_dataset_builder *b, session *s)
     }
     if (t->status != MUKCA_OK) return;
     if (measured == 0)
-        mukca_table_stop(t, mukca_fail(b->error, MUKCA_INPUT, "%s: %s", shown,
-                                       t->row == 0 ? "has a header but no rows"
-                                                   : "no row has a measured position"));
+        mukca_table_fail(
+            t, MUKCA_WHOLE_TABLE,
+            t->row == 0 ? "has a header but no rows" : "no row has a measured position");
     else if (unmeasured)
-        mukca_note_format(b->options->notes, "%s: %d of %d %s ignored: no measured position", shown,
-                          unmeasured, measured + unmeasured,
+        mukca_note_format(b->options->notes, "%s: %d of %d %s ignored: no measured position",
+                          mukca_file_shown(t->path), unmeasured, measured + unmeasured,
                           s->rows.column.n_measured > 1 ? "measurements" : "rows");
 }
 

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "io/export.h"
+#include "io/urdf.h"
 
 /* Of one joint: compliance about and across its axis, rad/(N m) or m/N; backlash, rad. */
 typedef struct {
@@ -69,11 +70,8 @@ static void print_inertial(const writer *w, int k, bool moves)
     for (int m = 0; m < w->chain->n_masses; m++)
         if (w->chain->mass[m].element == k && w->chain->mass[m].kg > 0) mass = w->chain->mass[m];
     if (!(mass.kg > 0)) return;
-    const double *I = mass.inertia, ball = 0.4 * 0.05 * 0.05 * mass.kg; /* 2/5 m r^2 */
-    const double minor = I[0] * I[1] - I[3] * I[3];
-    const double determinant =
-        minor * I[2] - I[0] * I[5] * I[5] - I[1] * I[4] * I[4] + 2 * I[3] * I[4] * I[5];
-    if (!(I[0] > 0 && minor > 0 && determinant > 0)) { /* MuJoCo refuses others */
+    const double ball = 0.4 * 0.05 * 0.05 * mass.kg; /* 2/5 m r^2 */
+    if (!mukca_tensor_positive(mass.inertia)) {      /* MuJoCo refuses others */
         memset(mass.inertia + 3, 0, 3 * sizeof *mass.inertia);
         for (int i = 0; i < 3; i++) mass.inertia[i] = ball;
     }

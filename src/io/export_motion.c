@@ -106,11 +106,9 @@ static mukca_status read_changes(patch *p)
     mukca_table_open(&table, input->motion, MUKCA_HEADER, input->error);
     if (table.status == MUKCA_OK && !strstr(table.comments, input->chain->urdf_sha256) &&
         !input->other_arm)
-        mukca_table_stop(&table,
-                         mukca_fail(input->error, MUKCA_INPUT,
-                                    "%s: made with another URDF than --urdf; --accept-other-arm "
-                                    "uses it nevertheless",
-                                    mukca_file_shown(input->motion)));
+        mukca_table_fail(&table, MUKCA_WHOLE_TABLE,
+                         "made with another URDF than --urdf; --accept-other-arm uses it "
+                         "nevertheless");
     for (int i = 0; i < COLUMNS; i++) column[i] = mukca_table_require(&table, columns[i]);
     while (mukca_table_next(&table)) read_row(&r, &table, column);
     return mukca_table_close(&table);

@@ -136,9 +136,7 @@ static void read_matrix(mukca_row *row, mukca_rows *rows, const mukca_measured_c
     }
     for (int i = 0; i < 9; i++) { /* the inverse of a rotation is its transpose */
         const int a = i / 3, b = i % 3;
-        const double product =
-            R[3 * a] * R[3 * b] + R[3 * a + 1] * R[3 * b + 1] + R[3 * a + 2] * R[3 * b + 2];
-        if (!(fabs(product - (a == b)) <= length_tolerance))
+        if (!(fabs(mukca_dot3(R + 3 * a, R + 3 * b) - (a == b)) <= length_tolerance))
             mukca_table_fail(
                 t, m->matrix[0],
                 "the matrix contains no rotation; its numbers must be in row-major order");

@@ -17,18 +17,20 @@ enum { COMMENTS = 4096, READ_TOGETHER = 1 << 16 };
 
 void mukca_table_fail(mukca_table *t, int column, const char *format, ...)
 {
-    char text[256], where[80] = "";
+    char text[256], where[96] = "";
+    mukca_text place = MUKCA_TEXT(where);
     va_list args;
     if (t->status != MUKCA_OK) return;
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
+    if (column != MUKCA_WHOLE_TABLE) mukca_text_put(&place, "%d:", t->line);
     if (column >= 0 && t->header)
-        snprintf(where, sizeof where, " column '%.40s':", t->header[column]);
+        mukca_text_put(&place, " column '%.40s':", t->header[column]);
     else if (column >= 0)
-        snprintf(where, sizeof where, " column %d:", column + 1);
-    t->status = mukca_fail(t->error, MUKCA_INPUT, "%s:%d:%s %s", mukca_file_shown(t->path), t->line,
-                           where, text);
+        mukca_text_put(&place, " column %d:", column + 1);
+    t->status =
+        mukca_fail(t->error, MUKCA_INPUT, "%s:%s %s", mukca_file_shown(t->path), where, text);
 }
 
 void mukca_table_stop(mukca_table *t, mukca_status status)
@@ -130,13 +132,9 @@ void mukca_table_check_names(mukca_table *t)
 
 static void read_header(mukca_table *t, mukca_table_kind kind)
 {
-    if (!read_content(t)) {
-        if (t->status == MUKCA_OK)
-            t->status =
-                mukca_fail(t->error, MUKCA_INPUT, "%s: is empty; expected a header and rows",
-                           mukca_file_shown(t->path));
-        return;
-    }
+    if (!read_content(t))
+        mukca_table_fail(t, MUKCA_WHOLE_TABLE, "is empty; expected a header and rows");
+    if (t->status != MUKCA_OK) return;
     set_shape(t);
     if (t->status != MUKCA_OK) return;
     t->header = check(t, calloc((size_t)t->n_columns, sizeof *t->header));

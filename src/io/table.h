@@ -19,7 +19,8 @@
 enum {
     MUKCA_TABLE_LINE = 1 << 20, /* bytes: a longer line is of another kind of file */
     MUKCA_TABLE_COLUMNS = 4096, /* largest width; a session of 16 joints has about 90 */
-    MUKCA_TABLE_NAMED = 8       /* columns that mukca_table_read can require */
+    MUKCA_TABLE_NAMED = 8,      /* columns that mukca_table_read can require */
+    MUKCA_WHOLE_TABLE = -2      /* what mukca_table_fail refuses */
 };
 
 typedef enum { MUKCA_HEADER, MUKCA_NO_HEADER, MUKCA_EITHER } mukca_table_kind;
@@ -84,8 +85,9 @@ bool mukca_table_has_unit(const mukca_table *table, int column);
 bool mukca_table_parse(double *value, const mukca_table *table, int column);
 double mukca_table_number(mukca_table *table, int column);
 
-/* Fail with "file:line: column 'name': ..." and status MUKCA_INPUT; column -1: none.  And with
- * another status, whose message is in table->error already (MUKCA_OK: no failure). */
+/* Fail with "file:line: column 'name': ..." and status MUKCA_INPUT; column -1: none;
+ * MUKCA_WHOLE_TABLE: without a line, too.  And with another status, whose message is in
+ * table->error already (MUKCA_OK: no failure). */
 void mukca_table_fail(mukca_table *table, int column, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 void mukca_table_stop(mukca_table *table, mukca_status status);

@@ -110,16 +110,12 @@ static void check_model(mukca_traits *t, mukca_table *table, const mukca_chain *
         hash(&t->model.geometry, table, "geometry") && hash(&t->model.masses, table, "masses");
     const char *differs = mukca_fleet_model_differs(&present, &t->model);
     if (!stated)
-        mukca_table_stop(
-            table, mukca_fail(table->error, MUKCA_INPUT,
-                              "%s: no traits table: `# geometry:` or `# masses:` is missing; make "
-                              "it with mukca fleet",
-                              table->path));
+        mukca_table_fail(table, MUKCA_WHOLE_TABLE,
+                         "no traits table: `# geometry:` or `# masses:` is missing; make it with "
+                         "mukca fleet");
     else if (differs)
-        mukca_table_stop(table, mukca_fail(table->error, MUKCA_INPUT,
-                                           "%s: traits of another model: %s; give those of this "
-                                           "arm's model",
-                                           table->path, differs));
+        mukca_table_fail(table, MUKCA_WHOLE_TABLE,
+                         "traits of another model: %s; give those of this arm's model", differs);
     t->n_arms = count_arms(table);
 }
 

@@ -47,6 +47,9 @@ const mukca_urdf_joint *mukca_urdf_text_joint(const mukca_urdf_text *urdf, const
 
 /* ---- mass, centre and inertia of a body, as robot models have them (body.c) ---- */
 
+/* Whether a tensor (xx yy zz xy xz yz) is positive definite. */
+bool mukca_tensor_positive(const double T[6]);
+
 /* The same body in axes R of another frame: R' x.  In place. */
 void mukca_body_turn(mukca_mass *out, const mukca_mass *in, const double R[9]);
 

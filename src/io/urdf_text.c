@@ -184,15 +184,11 @@ static mukca_status scan_joints(mukca_urdf_text *urdf, const char *path, mukca_e
 mukca_status mukca_urdf_text_read(mukca_urdf_text *urdf, const char *path, mukca_error *error)
 {
     *urdf = (mukca_urdf_text){0};
-    mukca_status status = mukca_file_read(&urdf->text, path, error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(mukca_file_read(&urdf->text, path, error));
     path = mukca_file_shown(path);
-    if (*urdf->text) {
-        SHA256Data((const uint8_t *)urdf->text, strlen(urdf->text), urdf->sha256);
-        status = scan_joints(urdf, path, error);
-    } else {
-        status = mukca_fail(error, MUKCA_INPUT, "%s: is empty", path);
-    }
+    SHA256Data((const uint8_t *)urdf->text, strlen(urdf->text), urdf->sha256);
+    const mukca_status status = *urdf->text ? scan_joints(urdf, path, error)
+                                            : mukca_fail(error, MUKCA_INPUT, "%s: is empty", path);
     if (status != MUKCA_OK) mukca_urdf_text_free(urdf);
     return status;
 }
