@@ -211,9 +211,8 @@ mukca_status mukca_distances_set(mukca_dataset_builder *b, double distance)
 }
 
 /* Apply one row of --distances to all placements with both sockets. */
-static void set_distance(void *context, mukca_table *t, const int *column)
+static void set_distance(mukca_dataset_builder *b, mukca_table *t, const int column[3])
 {
-    mukca_dataset_builder *b = context;
     const mukca_dataset *d = b->data;
     const double distance = mukca_table_number(t, column[2]);
     const char *label[2] = {t->cell[column[0]], t->cell[column[1]]};
@@ -243,7 +242,12 @@ static void set_distance(void *context, mukca_table *t, const int *column)
 mukca_status mukca_distances_read(mukca_dataset_builder *b, const char *path)
 {
     static const char *const names[3] = {"socket_a", "socket_b", "distance_m"};
-    mukca_status status = mukca_table_read(path, names, 3, set_distance, b, b->error);
+    mukca_table table;
+    int column[3];
+    mukca_table_open(&table, path, MUKCA_HEADER, b->error);
+    for (int i = 0; i < 3; i++) column[i] = mukca_table_require(&table, names[i]);
+    while (mukca_table_next(&table)) set_distance(b, &table, column);
+    mukca_status status = mukca_table_close(&table);
     const mukca_dataset *d = b->data;
     for (int p = 0; p < d->n_placements && status == MUKCA_OK; p++) {
         int known = 0;

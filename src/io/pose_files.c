@@ -19,10 +19,8 @@ typedef struct {
     double length; /* m per unit of the positions */
 } list;
 
-static void read_row(void *context, mukca_table *t, const int *column)
+static void read_row(list *l, mukca_table *t)
 {
-    list *l = context;
-    (void)column;
     if (t->n_columns != POSE) {
         mukca_table_fail(t, -1, "%d columns, but a pose has 7: x,y,z,qw,qx,qy,qz", t->n_columns);
         return;
@@ -140,8 +138,11 @@ mukca_status mukca_pose_file_read(mukca_dataset_builder *b, const char *path, in
 {
     list l = {.length = b->options->format.length > 0 ? b->options->format.length : 1};
     mukca_pool pool = {0};
+    mukca_table table;
     mukca_geometry geometry;
-    mukca_status status = mukca_table_read(path, NULL, 0, read_row, &l, b->error);
+    mukca_table_open(&table, path, MUKCA_NO_HEADER, b->error);
+    while (mukca_table_next(&table)) read_row(&l, &table);
+    mukca_status status = mukca_table_close(&table);
     if (status != MUKCA_OK) goto out;
     mukca_frame *tip = MUKCA_TAKE(&pool, mukca_frame, n + 1);
     int *partner = MUKCA_TAKE(&pool, int, n + 1);

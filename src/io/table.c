@@ -362,14 +362,3 @@ int mukca_table_list(mukca_text *list, const mukca_table *table, bool unused)
     if (more) mukca_text_put(list, "%s...", list->used ? ", " : "");
     return n;
 }
-
-mukca_status mukca_table_read(const char *path, const char *const *names, int n,
-                              mukca_table_row_fn *read, void *context, mukca_error *error)
-{
-    mukca_table table;
-    int column[MUKCA_TABLE_NAMED] = {0};
-    mukca_table_open(&table, path, names ? MUKCA_HEADER : MUKCA_NO_HEADER, error);
-    for (int i = 0; names && i < n; i++) column[i] = mukca_table_require(&table, names[i]);
-    while (mukca_table_next(&table)) read(context, &table, column);
-    return mukca_table_close(&table);
-}

@@ -19,7 +19,6 @@
 enum {
     MUKCA_TABLE_LINE = 1 << 20, /* bytes: a longer line is of another kind of file */
     MUKCA_TABLE_COLUMNS = 4096, /* largest width; a session of 16 joints has about 90 */
-    MUKCA_TABLE_NAMED = 8,      /* columns that mukca_table_read can require */
     MUKCA_WHOLE_TABLE = -2      /* what mukca_table_fail refuses */
 };
 
@@ -95,14 +94,6 @@ void mukca_table_stop(mukca_table *table, mukca_status status);
 /* Append the names of all columns, or of those not used, with dots for those that do not fit;
  * returns their number. */
 int mukca_table_list(mukca_text *list, const mukca_table *table, bool unused);
-
-/* Callback for one row; column[i] is the index of the i-th required column. */
-typedef void mukca_table_row_fn(void *context, mukca_table *table, const int *column);
-
-/* Read the whole table `path`.  Its header must have the columns names[n] (at most
- * MUKCA_TABLE_NAMED; names NULL: a table without header). */
-mukca_status mukca_table_read(const char *path, const char *const *names, int n,
-                              mukca_table_row_fn *read, void *context, mukca_error *error);
 
 /* ---- names of columns (rows_header.c, columns.c) ---- */
 
