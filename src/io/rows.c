@@ -2,7 +2,6 @@
 #include "io/rows.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/file.h"
@@ -38,8 +37,6 @@ mukca_status mukca_rows_close(mukca_rows *rows)
                           "%s:%d: the last line has no line end; if the file was cut, its last "
                           "number is wrong",
                           mukca_file_shown(rows->table.path), rows->table.line);
-    free(rows->rotations);
-    rows->rotations = NULL;
     return mukca_table_close(&rows->table);
 }
 
@@ -185,7 +182,7 @@ static void keep_rotation(mukca_rows *rows, const mukca_row *row, const double r
     const double *x = row->position, *q = row->quaternion;
     if (rows->options.unchecked || rows->table.status != MUKCA_OK) return;
     if (!rows->rotations) {
-        rows->rotations = calloc(1, sizeof *rows->rotations);
+        rows->rotations = MUKCA_TAKE(&rows->table.pool, mukca_rotation_samples, 1);
         if (!rows->rotations) {
             mukca_table_stop(&rows->table,
                              mukca_fail(rows->table.error, MUKCA_MEMORY, "out of memory"));

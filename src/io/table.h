@@ -14,6 +14,7 @@
 #include <stdio.h>
 
 #include "base/cells.h"
+#include "base/pool.h"
 #include "base/text.h"
 
 enum {
@@ -42,13 +43,14 @@ struct mukca_table {
     char delimiter;
     bool cut_off;     /* the file does not end in a newline */
     bool pending;     /* the first row was read by mukca_table_open */
+    mukca_pool pool;  /* of all memory below but `names` */
     char **header;    /* [n_columns], or NULL */
     char **cell;      /* [n_columns] of the current row */
     mukca_unit *unit; /* [n_columns] stated in the header; or NULL */
     bool *used;       /* [n_columns], columns asked for by mukca_table_use; or NULL */
-    char *buffer, *header_buffer;
-    char *names;    /* of --columns */
-    char *comments; /* lines before the header; without text, but counted, if they do not fit */
+    char *buffer;     /* of a line */
+    char *names;      /* of --columns */
+    char *comments;   /* lines before the header; without text, but counted, if they do not fit */
     mukca_table_source *source; /* NULL: the stream */
     const double *value;        /* [n_columns] cells as numbers, SI; NaN: not parsed; or NULL */
 };

@@ -26,7 +26,6 @@ typedef struct {
     sem_t empty, full; /* blocks to be filled, and to be read */
     mukca_table table; /* of the thread; at the end of its last block, that of the whole */
     mukca_error error;
-    char **cell; /* the caller's */
     block block[BLOCKS];
     int rows, now, row; /* rows of a block; the caller's block (-1: none yet), its next row */
     atomic_bool stop;
@@ -68,19 +67,6 @@ static void *run(void *ahead)
     return NULL;
 }
 
-static void release(read_ahead *a)
-{
-    for (int k = 0; k < BLOCKS; k++) {
-        free(a->block[k].line);
-        free(a->block[k].text);
-        free(a->block[k].cell);
-        free(a->block[k].value);
-    }
-    sem_destroy(&a->empty);
-    sem_destroy(&a->full);
-    free(a);
-}
-
 static bool next(mukca_table *t)
 {
     read_ahead *a = (read_ahead *)t->source;
@@ -114,8 +100,8 @@ static void close_ahead(mukca_table *t)
     a->stop = true;
     sem_post(&a->empty);
     pthread_join(a->thread, NULL);
-    t->cell = a->cell;
-    release(a);
+    sem_destroy(&a->empty);
+    sem_destroy(&a->full);
 }
 
 void mukca_table_read_ahead(mukca_table *t)
@@ -124,27 +110,20 @@ void mukca_table_read_ahead(mukca_table *t)
     if (t->status != MUKCA_OK || !t->header || fstat(fileno(t->stream), &file) ||
         !S_ISREG(file.st_mode) || file.st_size < BLOCKS * TEXT)
         return;
-    read_ahead *a = calloc(1, sizeof *a);
+    read_ahead *a = MUKCA_TAKE(&t->pool, read_ahead, 1);
     if (!a) return;
-    sem_init(&a->empty, 0, BLOCKS);
-    sem_init(&a->full, 0, 0);
     a->now = -1;
     a->rows = 1 + CELLS / t->n_columns;
     a->source = (mukca_table_source){next, close_ahead};
     a->table = *t;
     a->table.error = &a->error;
-    a->cell = t->cell;
-    const size_t rows = (size_t)a->rows, cells = rows * (size_t)t->n_columns;
-    bool ok = true;
+    const int cells = a->rows * t->n_columns;
     for (block *b = a->block; b < a->block + BLOCKS; b++) {
-        b->line = malloc(rows * sizeof *b->line);
-        b->text = malloc((size_t)TEXT + MUKCA_TABLE_LINE);
-        b->cell = malloc(cells * sizeof *b->cell);
-        b->value = malloc(cells * sizeof *b->value);
-        ok = ok && b->line && b->text && b->cell && b->value;
+        b->line = MUKCA_TAKE(&t->pool, int, a->rows);
+        b->text = MUKCA_TAKE(&t->pool, char, TEXT + MUKCA_TABLE_LINE);
+        b->cell = MUKCA_TAKE(&t->pool, char *, cells);
+        b->value = MUKCA_TAKE(&t->pool, double, cells);
     }
-    if (ok && pthread_create(&a->thread, NULL, run, a) == 0)
-        t->source = &a->source;
-    else
-        release(a);
+    if (t->pool.failed || sem_init(&a->empty, 0, BLOCKS) || sem_init(&a->full, 0, 0)) return;
+    if (pthread_create(&a->thread, NULL, run, a) == 0) t->source = &a->source;
 }
