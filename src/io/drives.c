@@ -107,25 +107,19 @@ mukca_status mukca_drives_read(mukca_drives *drives, const char *path, const muk
     char *text;
     bool urdf = false;
     MUKCA_TRY(mukca_file_read(&text, path, error));
-    reader *r = calloc(1, sizeof *r);
     *drives = (mukca_drives){0};
-    if (!r) {
-        free(text);
-        return mukca_fail(error, MUKCA_MEMORY, "out of memory for %s", mukca_file_shown(path));
-    }
-    *r = (reader){.value = {drives->coulomb, drives->viscous, drives->armature},
-                  .chain = chain,
-                  .list = {{.name = ""}},
-                  .n = 1};
+    reader r = {.value = {drives->coulomb, drives->viscous, drives->armature},
+                .chain = chain,
+                .list = {{.name = ""}},
+                .n = 1};
     for (mukca_export_tag tag = {.at = text}; mukca_export_next_tag(&tag, NULL);) {
         if (tag.depth == 0) urdf = mukca_export_is_tag(&tag, "robot");
         if (tag.depth < 0 || tag.depth >= DEPTHS) continue;
         if (!urdf)
-            read_element(r, &tag);
+            read_element(&r, &tag);
         else if (tag.depth == 1 && mukca_export_is_tag(&tag, "joint"))
-            read_dynamics(r, &tag);
+            read_dynamics(&r, &tag);
     }
-    free(r);
     free(text);
     return MUKCA_OK;
 }

@@ -293,23 +293,18 @@ static mukca_status patch_link(patch *p, int joint)
 
 static mukca_status write_motion(FILE *stream, const mukca_export_input *input)
 {
-    patch *p = calloc(1, sizeof *p);
     mukca_export_input with = *input;
-    if (!p) return mukca_fail(input->error, MUKCA_MEMORY, "out of memory");
     if (!with.into) with.into = with.urdf_path;
-    p->input = &with;
-    mukca_status status = mukca_file_read(&p->text, with.into, input->error);
-    if (status == MUKCA_OK) {
-        p->urdf = !strstr(p->text, "<mujoco");
-        status = read_changes(p);
-    }
+    patch p = {.input = &with};
+    MUKCA_TRY(mukca_file_read(&p.text, with.into, input->error));
+    p.urdf = !strstr(p.text, "<mujoco");
+    mukca_status status = read_changes(&p);
     for (int j = 0; j < input->chain->n_joints && status == MUKCA_OK; j++) {
-        status = patch_joint(p, j);
-        if (status == MUKCA_OK && p->rigid[j]) status = patch_link(p, j);
+        status = patch_joint(&p, j);
+        if (status == MUKCA_OK && p.rigid[j]) status = patch_link(&p, j);
     }
-    if (status == MUKCA_OK) fputs(p->text, stream);
-    free(p->text);
-    free(p);
+    if (status == MUKCA_OK) fputs(p.text, stream);
+    free(p.text);
     return status;
 }
 
