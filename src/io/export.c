@@ -118,6 +118,17 @@ static mukca_status replace(replacement *r, const mukca_export_input *input,
     return MUKCA_OK;
 }
 
+/* Print a comment if the table was not accepted; not in a format without comments. */
+static void print_verdict(FILE *stream, const mukca_export_format *format,
+                          const mukca_acceptance *a)
+{
+    const char *const xml[2] = {"<!--", "-->"};
+    const char *const *comment = format->comment[0] ? format->comment : xml;
+    if (!a->given || a->accepted || format->zeros_only) return;
+    mukca_export_print(stream, "$s The offsets table was not accepted: $p $s\n", comment[0],
+                       a->reason, comment[1]);
+}
+
 mukca_status mukca_export_write(FILE *stream, const mukca_exporter *exporter,
                                 const mukca_export_input *input)
 {
@@ -134,7 +145,7 @@ mukca_status mukca_export_write(FILE *stream, const mukca_exporter *exporter,
         input = &r->input;
     }
     if (status == MUKCA_OK) status = format->write(stream, input);
-    if (status == MUKCA_OK) mukca_export_verdict(stream, exporter, &o->acceptance);
+    if (status == MUKCA_OK) print_verdict(stream, format, &o->acceptance);
     free(r);
     return status;
 }

@@ -86,10 +86,6 @@ mukca_status mukca_export_write(FILE *stream, const mukca_exporter *exporter,
 /* Print three lines of provenance, each preceded by `prefix`. */
 void mukca_export_provenance(FILE *stream, const char *prefix, const mukca_export_input *input);
 
-/* Print a comment if the table was not accepted; not in a format without comments. */
-void mukca_export_verdict(FILE *stream, const mukca_exporter *exporter,
-                          const mukca_acceptance *acceptance);
-
 /* A start tag of XML; zeroed but for `at`, the text: before the first. */
 typedef struct {
     const char *at;

@@ -110,15 +110,6 @@ void mukca_export_provenance(FILE *stream, const char *prefix, const mukca_expor
                        input->chain->urdf_sha256);
 }
 
-void mukca_export_verdict(FILE *stream, const mukca_exporter *exporter, const mukca_acceptance *a)
-{
-    const char *const xml[2] = {"<!--", "-->"};
-    const char *const *comment = exporter->format->comment[0] ? exporter->format->comment : xml;
-    if (!a->given || a->accepted || exporter->format->zeros_only) return;
-    mukca_export_print(stream, "$s The offsets table was not accepted: $p $s\n", comment[0],
-                       a->reason, comment[1]);
-}
-
 void mukca_export_get_origin(mukca_export_origin *origin, const mukca_export_input *input,
                              int element)
 {

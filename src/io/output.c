@@ -54,21 +54,17 @@ static mukca_status resolve(mukca_output *output, const char *path, bool force, 
 {
     struct stat info;
     char whole[PATH_MAX];
-    memset(output, 0, sizeof *output);
     bool exists = stat(path, &info) == 0;
     if (exists && S_ISDIR(info.st_mode))
         return mukca_fail(error, MUKCA_INPUT, "%s: is a folder; give the name of a file", path);
     const char *target = exists && realpath(path, whole) ? whole : path;
-    int written = snprintf(output->path, sizeof output->path, "%s", target);
-    if (written < 0 || (size_t)written >= sizeof output->path)
+    if (snprintf(output->path, sizeof output->path, "%s", target) >= (int)sizeof output->path)
         return mukca_fail(error, MUKCA_INPUT, "%.60s...: the file's name is too long", path);
     if (exists && !S_ISREG(info.st_mode)) return MUKCA_OK;
     if (exists && !force) return fail_exists(error, path);
-    int folder = folder_length(output->path);
-    written = snprintf(output->temporary, sizeof output->temporary, "%.*s.%.80s.%ld.tmp", folder,
-                       output->path, output->path + folder, (long)getpid());
-    if (written < 0 || (size_t)written >= sizeof output->temporary)
-        return mukca_fail(error, MUKCA_INPUT, "%.60s...: the file's name is too long", path);
+    int folder = folder_length(output->path); /* the rest adds at most 26 characters to the path */
+    snprintf(output->temporary, sizeof output->temporary, "%.*s.%.80s.%ld.tmp", folder,
+             output->path, output->path + folder, (long)getpid());
     return MUKCA_OK;
 }
 

@@ -271,10 +271,7 @@ bool mukca_rows_next(mukca_rows *rows, mukca_row *row)
     row->socket = c->socket < 0 ? NULL : t->cell[c->socket];
     row->target = c->target < 0 || !*t->cell[c->target] ? NULL : t->cell[c->target];
     for (int k = 0; k < MUKCA_COLUMNS; k++)
-        if (mukca_column_table[k].width < 2)
-            read_numbers(row, rows, k);
-        else /* of poses: below */
-            for (int i = 0; i < mukca_column_table[k].width; i++) row->number[k][i] = (double)NAN;
+        if (mukca_column_table[k].width < 2) read_numbers(row, rows, k); /* others are of poses */
     read_pose(row, rows, 0);
     return t->status == MUKCA_OK;
 }
