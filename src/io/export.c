@@ -20,12 +20,10 @@ int mukca_exporter_find(const char *path)
     const char *dot = path ? strrchr(mukca_file_name(path), '.') : NULL;
     const size_t length = dot ? strlen(dot) : 0;
     if (length < 2) return 0;
-    for (int i = 0; mukca_exporters[i].name; i++)
-        for (const char *at = mukca_exporters[i].endings; *at; at += at[0] == ' ') {
-            const size_t ending = strcspn(at, " ");
-            if (ending == length && strncmp(at, dot, length) == 0) return i;
-            at += ending;
-        }
+    for (int i = 0; mukca_exporters[i].name; i++) {
+        const char *ending = strstr(mukca_exporters[i].endings, dot);
+        if (ending && strchr(" ", ending[length])) return i;
+    }
     return -1;
 }
 

@@ -146,12 +146,8 @@ mukca_status mukca_pose_file_read(mukca_dataset_builder *b, const char *path, in
     if (status != MUKCA_OK) goto out;
     mukca_frame *tip = MUKCA_TAKE(&pool, mukca_frame, n + 1);
     int *partner = MUKCA_TAKE(&pool, int, n + 1);
-    if (!tip || !partner) {
-        status = mukca_fail(b->error, MUKCA_MEMORY, "out of memory");
-        goto out;
-    }
     mukca_geometry_set(&geometry, b->chain, NULL);
-    for (int i = 0; i < n; i++)
+    for (int i = 0; i < n && tip; i++)
         mukca_fk_pose(&tip[i], &geometry,
                       b->data->q + (size_t)(first + i) * (size_t)b->data->n_joints, NULL);
     pairing p = {.tip = tip,
