@@ -1,7 +1,6 @@
 /* Friction and armature of an arm's joints from its URDF or MuJoCo model. */
 #include "io/drives.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
