@@ -161,7 +161,7 @@ static mukca_status find(mukca_export_tag *tag, const patch *p, const char *kind
     return n == 1 ? MUKCA_OK : fail(p, kind, name, n ? "is there more than once" : "is missing");
 }
 
-/* Write a tag without its `/`, or a text behind it; `kind`, its element, is then closed. */
+/* Write a tag without its `/`: its element is open.  Returns what follows the tag. */
 static const char *open_tag(FILE *stream, const mukca_export_tag *tag)
 {
     const bool closed = tag->at[tag->length - 2] == '/';
