@@ -62,22 +62,17 @@ static void offset(double lever[3], const pairing *p, int few, int many)
     mukca_mat3_tvec(lever, tip->R, d);
 }
 
-static double mismatch(const pairing *p, int few, int many)
-{
-    double d[3];
-    offset(d, p, few, many);
-    return mukca_distance3(d, p->lever);
-}
-
-/* Pair in order with the least sum of mismatches: partner[i] increases with i.  Dynamic
- * programming, as in sequence alignment. */
+/* Pair in order with the least sum of distances from the lever: partner[i] increases with i.
+ * Dynamic programming, as in sequence alignment. */
 static void pair_in_order(pairing *p)
 {
     const int spare = p->many - p->few, width = spare + 1;
     for (int i = 1; i <= p->few; i++) {
         double *row = p->cost + i * width;
         for (int k = 0; k < width; k++) {
-            const double take = row[k - width] + mismatch(p, i - 1, i - 1 + k);
+            double point[3];
+            offset(point, p, i - 1, i - 1 + k);
+            const double take = row[k - width] + mukca_distance3(point, p->lever);
             const bool better = k > 0 && row[k - 1] < take;
             row[k] = better ? row[k - 1] : take;
             p->skip[i * width + k] = better;
