@@ -154,9 +154,8 @@ mukca_status mukca_build_row(mukca_dataset_builder *builder, const mukca_row *ro
 
 mukca_status mukca_build_pose(mukca_dataset_builder *builder, int row, const double pose[7])
 {
-    const mukca_status status = set_values(builder, row, MUKCA_COLUMN_POSITION, pose);
-    return status == MUKCA_OK ? set_values(builder, row, MUKCA_COLUMN_QUATERNION, pose + 3)
-                              : status;
+    MUKCA_TRY(set_values(builder, row, MUKCA_COLUMN_POSITION, pose));
+    return set_values(builder, row, MUKCA_COLUMN_QUATERNION, pose + 3);
 }
 
 /* ---- known distances between the sockets of a placement ---- */
@@ -228,16 +227,16 @@ mukca_status mukca_distances_read(mukca_dataset_builder *b, const char *path)
     mukca_table_open(&table, path, MUKCA_HEADER, b->error);
     for (int i = 0; i < 3; i++) column[i] = mukca_table_require(&table, names[i]);
     while (mukca_table_next(&table)) set_distance(b, &table, column);
-    mukca_status status = mukca_table_close(&table);
+    MUKCA_TRY(mukca_table_close(&table));
     const mukca_dataset *d = b->data;
-    for (int p = 0; p < d->n_placements && status == MUKCA_OK; p++) {
+    for (int p = 0; p < d->n_placements; p++) {
         int known = 0;
         for (int k = 0; k < d->n_distances; k++)
             known += d->sockets[d->distances[k].a].placement == p;
         if (!known)
-            status = mukca_fail(b->error, MUKCA_INPUT,
-                                "%s: no pair of sockets of placement '%s'; add one",
-                                mukca_file_shown(path), d->placements[p].name);
+            return mukca_fail(b->error, MUKCA_INPUT,
+                              "%s: no pair of sockets of placement '%s'; add one",
+                              mukca_file_shown(path), d->placements[p].name);
     }
-    return status;
+    return MUKCA_OK;
 }

@@ -97,18 +97,18 @@ static mukca_status read_placement(mukca_dataset_builder *b, const char *folder,
     last_parts(qualified, whole ? whole : folder, 2);
     free(whole);
     MUKCA_TRY(count_holes(&holes, b, folder, least));
-    mukca_status status = mukca_build_placement(b, name, qualified);
-    for (int hole = 0; hole < holes && status == MUKCA_OK; hole++) {
+    MUKCA_TRY(mukca_build_placement(b, name, qualified));
+    for (int hole = 0; hole < holes; hole++) {
         const mukca_dataset *d = b->data;
         const int first = d->n_rows;
         snprintf(label, sizeof label, "%d", hole);
-        status = mukca_build_socket(b, d->n_placements - 1, label);
+        MUKCA_TRY(mukca_build_socket(b, d->n_placements - 1, label));
         (void)find_hole(path, folder, hole, "");
-        if (status == MUKCA_OK) status = read_hole(b, path, d->n_sockets - 1);
-        if (status == MUKCA_OK && find_hole(path, folder, hole, "_pose"))
-            status = mukca_pose_file_read(b, path, first, d->n_rows - first);
+        MUKCA_TRY(read_hole(b, path, d->n_sockets - 1));
+        if (!find_hole(path, folder, hole, "_pose")) continue;
+        MUKCA_TRY(mukca_pose_file_read(b, path, first, d->n_rows - first));
     }
-    return status;
+    return MUKCA_OK;
 }
 
 /* Read one placement, or a folder of placements in alphabetical order. */

@@ -280,16 +280,15 @@ mukca_status mukca_simulate_motion(const mukca_simulated_motion *motion, mukca_m
                                    void *context)
 {
     state s = {.motion = motion};
-    mukca_status status = MUKCA_OK;
     mukca_dynamics_set(&s.dynamics, motion->chain);
     mukca_dynamics_inertials(s.p, motion->chain);
     for (int e = 0; e < motion->n_effects; e++) change_masses(s.p, &motion->effects[e], motion);
     mukca_simulate_seed(&s.paths, motion->seed, MUKCA_DRAW_POSTURES);
     mukca_simulate_seed(&s.noise, motion->seed, MUKCA_DRAW_NOISE);
-    for (int run = 0; run < motion->runs && status == MUKCA_OK; run++) {
+    for (int run = 0; run < motion->runs; run++) {
         draw_path(&s.way, motion, &s.paths);
         if (run == 0) find_ranges(&s);
-        status = write_run(&s, run * (motion->seconds + MUKCA_RUN_PAUSE), write, context);
+        MUKCA_TRY(write_run(&s, run * (motion->seconds + MUKCA_RUN_PAUSE), write, context));
     }
-    return status;
+    return MUKCA_OK;
 }
