@@ -147,9 +147,7 @@ static void report(const mukca_dataset *data, int file, const mukca_dataset *ref
     }
     if (!copies) return;
     const bool within = !reference && from == file;
-    char name[512];
-    snprintf(name, sizeof name, "%s",
-             within ? "others of it" : mukca_file_shown(source->files[from]));
+    const char *name = within ? "others of it" : mukca_file_shown(source->files[from]);
     mukca_note_format(notes, "%s: %d of %d rows repeat %s%s to the last digit; %s",
                       mukca_file_shown(data->files[file]), copies, rows, within ? "" : "rows of ",
                       name, reference ? "not used for testing" : "each is used once");

@@ -13,7 +13,6 @@ typedef struct {
 
 typedef struct {
     FILE *stream;
-    const mukca_export_input *input;
     const mukca_chain *chain;
     elasticity joint[MUKCA_MAX_JOINTS];
     double base; /* compliance, rad/(N m) */
@@ -47,18 +46,12 @@ static bool holds(const mukca_effect *effect)
     return equivalent(&w, effect) != NULL;
 }
 
-/* Sum the equivalents; effects without one are listed in the comment. */
-static void gather(writer *w)
+/* Sum the equivalents of the effects; those without one are not among them (mukca_export_write). */
+static void gather(writer *w, const mukca_offsets *offsets)
 {
-    const mukca_offsets *o = w->input->offsets;
-    for (int e = 0; e < o->n_effects; e++) {
-        double *sum = equivalent(w, &o->effects[e]);
-        const char *joint = mukca_chain_joint_name(w->input->chain, o->effects[e].joint);
-        if (sum)
-            *sum += o->effects[e].coefficient[0];
-        else
-            fprintf(w->stream, "     Not represented by a spring or stop: %s of %s\n",
-                    mukca_effect_table[o->effects[e].kind]->name, joint ? joint : "the arm");
+    for (int e = 0; e < offsets->n_effects; e++) {
+        double *sum = equivalent(w, &offsets->effects[e]);
+        if (sum) *sum += offsets->effects[e].coefficient[0];
     }
 }
 
@@ -140,7 +133,7 @@ static void open_body(writer *w, const char *link, const double *pos, const doub
 static mukca_status write_mjcf(FILE *stream, const mukca_export_input *input)
 {
     const mukca_chain *chain = input->chain;
-    writer w = {.stream = stream, .input = input, .chain = chain};
+    writer w = {.stream = stream, .chain = chain};
     fputs("<!--\n", stream);
     mukca_export_provenance(stream, "     ", input);
     fputs(
@@ -148,7 +141,7 @@ static mukca_status write_mjcf(FILE *stream, const mukca_export_input *input)
         "     calibrated origins.  Springs (_flex, _bend, base_flex) and stops (_play) represent\n"
         "     the identified effects; inertia tensors are the URDF's.\n",
         stream);
-    gather(&w);
+    gather(&w, input->offsets);
     mukca_export_print(
         stream,
         "-->\n<mujoco model=\"$x\">\n"
