@@ -53,7 +53,7 @@ typedef struct {
     bool holds_all;                            /* the format can represent every effect, */
     bool (*holds)(const mukca_effect *effect); /* or these; NULL: none */
     bool zeros_only;        /* the format has one number per joint, added to its angle */
-    const char *comment[2]; /* start and end of a comment; NULL: the format is XML */
+    const char *comment[2]; /* start and end of a comment; NULL: of XML */
 } mukca_export_format;
 
 #define MUKCA_EXPORT_DECLARE(name, endings, description) \
