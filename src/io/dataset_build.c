@@ -101,7 +101,8 @@ static mukca_status set_values(mukca_dataset_builder *builder, int row, int colu
     for (int i = 0; i < width; i++) any |= !isnan(values[i]);
     if (!any) return MUKCA_OK;
     MUKCA_TRY(extend(builder, column, *list ? builder->data->n_rows : 0));
-    memcpy(*list + (size_t)row * (size_t)width, values, (size_t)width * sizeof *values);
+    if (*list) /* there is a sample */
+        memcpy(*list + (size_t)row * (size_t)width, values, (size_t)width * sizeof *values);
     return MUKCA_OK;
 }
 

@@ -19,7 +19,7 @@ const mukca_drive_value mukca_drive_values[MUKCA_DRIVE_VALUES] = {
 
 /* A default class of joints. */
 typedef struct {
-    const char *name; /* in the text */
+    const char *name; /* in the text; NULL: none */
     size_t length;
     double value[MUKCA_DRIVE_VALUES];
 } joint_class;
@@ -65,7 +65,9 @@ static int class_of(const reader *r, const mukca_export_tag *tag, const char *at
     size_t length;
     const char *name = mukca_export_find_attribute(&length, tag, attribute);
     for (int k = 0; name && k < r->n; k++)
-        if (r->list[k].length == length && memcmp(r->list[k].name, name, length) == 0) return k;
+        if (r->list[k].name && r->list[k].length == length &&
+            memcmp(r->list[k].name, name, length) == 0)
+            return k;
     return otherwise;
 }
 
@@ -107,10 +109,8 @@ mukca_status mukca_drives_read(mukca_drives *drives, const char *path, const muk
     bool urdf = false;
     MUKCA_TRY(mukca_file_read(&text, path, error));
     *drives = (mukca_drives){0};
-    reader r = {.value = {drives->coulomb, drives->viscous, drives->armature},
-                .chain = chain,
-                .list = {{.name = ""}},
-                .n = 1};
+    reader r = {
+        .value = {drives->coulomb, drives->viscous, drives->armature}, .chain = chain, .n = 1};
     for (mukca_export_tag tag = {.at = text}; mukca_export_next_tag(&tag, NULL);) {
         if (tag.depth == 0) urdf = mukca_export_is_tag(&tag, "robot");
         if (tag.depth < 0 || tag.depth >= DEPTHS) continue;

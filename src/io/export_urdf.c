@@ -1,5 +1,6 @@
 /* The user's URDF with the origins of the chain replaced in place; the rest stays.  And a chain as
  * a URDF of its own. */
+#include <math.h>
 #include <string.h>
 
 #include "base/file.h"
@@ -10,7 +11,9 @@
 /* 0 and -0 differ, as their texts do. */
 static bool are_same(const double a[3], const double b[3])
 {
-    return memcmp(a, b, 3 * sizeof *a) == 0;
+    int same = 0;
+    for (int i = 0; i < 3; i++) same += a[i] == b[i] && signbit(a[i]) == signbit(b[i]);
+    return same == 3;
 }
 
 /* The element of a joint of the file; in a user's own, with another prefix.  -1: none. */

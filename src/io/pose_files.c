@@ -101,6 +101,7 @@ static mukca_status pair(pairing *p, mukca_pool *pool, const char *path, mukca_e
 {
     enum { ROUNDS = 4 }; /* pairs and lever converge within two or three */
     const size_t size = (size_t)(p->few + 1) * (size_t)(p->many - p->few + 1);
+    if (!p->pose) return MUKCA_OK; /* nothing to pair */
     if (size > MOST_PAIRS)
         return mukca_fail(error, MUKCA_INPUT, "%s: %d poses and rows are too many to pair",
                           mukca_file_shown(path), p->few + p->many);

@@ -54,9 +54,10 @@ enum {
     {                                                                  \
         text, MUKCA_SIMULATED_##where, 1, 1, .value = { {what, unit} } \
     }
-#define WITH(text, most, a, b, variant, unit, usual)                                              \
-    {                                                                                             \
-        text, MUKCA_SIMULATED_AT_JOINT, 1, most, {{a, "N*m"}, {b, "N*m"}}, {variant, unit}, usual \
+#define WITH(text, most, a, b, variant, unit, usual)                                               \
+    {                                                                                              \
+        text, MUKCA_SIMULATED_AT_JOINT, 1, most, false, {{a, "N*m"}, {b, "N*m"}}, {variant, unit}, \
+            usual                                                                                  \
     }
 
 const mukca_simulated_kind mukca_simulated_kinds[KINDS + 1] = {

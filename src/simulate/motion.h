@@ -24,10 +24,10 @@ typedef struct {
 typedef struct {
     const char *name;
     mukca_simulated_where where;
-    int least, most;                         /* number of values */
+    int least, most; /* number of values */
+    bool masses;     /* it changes the inertial parameters, others torques */
     mukca_simulated_value value[4], variant; /* variant: after @; NULL: none */
     double usual;                            /* its default; 0: it must be given */
-    bool masses; /* it changes the inertial parameters, others torques */
 } mukca_simulated_kind;
 
 extern const mukca_simulated_kind mukca_simulated_kinds[];
