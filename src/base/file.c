@@ -61,8 +61,6 @@ mukca_status mukca_file_read(char **text, const char *path, mukca_error *error)
     if (!stream) return mukca_file_fail(error, path);
     const mukca_status status = read_stream(text, stream, path, error);
     if (stream != stdin) fclose(stream);
-    if (status == MUKCA_OK) return MUKCA_OK;
-    free(*text);
-    *text = NULL;
+    if (status != MUKCA_OK) free(*text), *text = NULL;
     return status;
 }

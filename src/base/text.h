@@ -35,9 +35,8 @@ typedef struct {
 void mukca_note_format(mukca_notes notes, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
-/* ---- UTF-8, the only encoding of JSON and HTML, without characters that control a terminal ----
-
- * or change the order or the visibility of the others; tabs and line feeds are valid. */
+/* ---- UTF-8, the only encoding of JSON and HTML, without characters that control a terminal or
+ * change the order or the visibility of the others; tabs and line feeds are valid ---- */
 
 /* Bytes of the longest prefix of `text` of complete, valid characters, at most `most`. */
 size_t mukca_utf8_fit(const char *text, size_t most);

@@ -212,8 +212,7 @@ static mukca_status check_mass(const cli_simulated *s, const mukca_simulated_tor
                                const piece *p)
 {
     double inertial[MUKCA_MAX_JOINTS * MUKCA_INERTIAL];
-    if (t->joint < 0 || mukca_simulated_kinds[t->kind].stage != MUKCA_SIMULATED_MASSES)
-        return MUKCA_OK;
+    if (t->joint < 0 || !mukca_simulated_kinds[t->kind].masses) return MUKCA_OK;
     mukca_dynamics_inertials(inertial, s->chain);
     const double kg = inertial[MUKCA_INERTIAL * t->joint];
     if (!(kg > 0)) return wrong(p, "this link has no mass; give --inertials FILE");

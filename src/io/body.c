@@ -15,6 +15,14 @@ static void add_point(double inertia[6], double kg, const double at[3])
             inertia[place[a][b]] += kg * ((a == b ? mukca_dot3(at, at) : 0) - at[a] * at[b]);
 }
 
+bool mukca_tensor_positive(const double T[6])
+{
+    const double minor = T[0] * T[1] - T[3] * T[3];
+    const double determinant =
+        minor * T[2] - T[0] * T[5] * T[5] - T[1] * T[4] * T[4] + 2 * T[3] * T[4] * T[5];
+    return T[0] > 0 && minor > 0 && determinant > 0;
+}
+
 void mukca_body_turn(mukca_mass *out, const mukca_mass *in, const double R[9])
 {
     const double com[3] = {in->com[0], in->com[1], in->com[2]};
@@ -45,12 +53,9 @@ void mukca_body_add(mukca_mass *sum, const mukca_frame *T, const mukca_mass *bod
 /* Whether a distribution of mass has this inertia: half of its trace minus it is positive. */
 static bool is_physical(const double I[6])
 {
-    const double half = 0.5 * (I[0] + I[1] + I[2]), x = half - I[0], y = half - I[1],
-                 z = half - I[2];
-    return x > 0 && x * y > I[3] * I[3] &&
-           x * (y * z - I[5] * I[5]) - I[3] * (I[3] * z + I[5] * I[4]) -
-                   I[4] * (I[3] * I[5] + y * I[4]) >
-               0;
+    const double half = 0.5 * (I[0] + I[1] + I[2]);
+    return mukca_tensor_positive(
+        (double[]){half - I[0], half - I[1], half - I[2], -I[3], -I[4], -I[5]});
 }
 
 bool mukca_body_change(mukca_mass *b, const double d[10], bool tensor)

@@ -1,6 +1,6 @@
 /* Names of columns by --columns. */
-#include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "base/file.h"
 #include "io/table.h"
@@ -73,25 +73,21 @@ static int apply(mukca_table *t, char **before)
 
 void mukca_columns_rename(mukca_table *t, const char *columns)
 {
-    FILE *file = strchr(columns, '=') ? NULL : fopen(columns, "r");
     const size_t width = (size_t)t->n_columns + 1;
-    if (file) {
-        fclose(file);
+    if (!strchr(columns, '=') && access(columns, R_OK) == 0)
         mukca_table_stop(t, mukca_file_read(&t->names, columns, t->error));
-    } else {
+    else
         t->names = strdup(columns);
-    }
-    if (!t->header) t->header = calloc(width, sizeof *t->header);
-    if (!t->unit) t->unit = calloc(width, sizeof *t->unit);
-    char **before = calloc(width, sizeof *before);
-    if (t->status == MUKCA_OK && (!t->names || !t->header || !t->unit || !before))
+    if (!t->header) t->header = MUKCA_TAKE(&t->pool, char *, width);
+    if (!t->unit) t->unit = MUKCA_TAKE(&t->pool, mukca_unit, width);
+    char **before = MUKCA_TAKE(&t->pool, char *, width);
+    if (t->status == MUKCA_OK && (!t->names || t->pool.failed))
         mukca_table_stop(t, mukca_fail(t->error, MUKCA_MEMORY, "out of memory"));
-    const bool ready = before && t->status == MUKCA_OK;
+    const bool ready = t->status == MUKCA_OK;
     for (int c = 0; c < t->n_columns && ready; c++)
         before[c] = t->header[c] =
             t->header[c] ? t->header[c] : t->names + strlen(t->names); /* a name that nothing has */
     const int named = ready ? apply(t, before) : 0;
-    free(before);
     if (named > 0 && named != t->n_columns)
         mukca_table_fail(t, -1,
                          "--columns %.40s names %d columns, but the table has %d; name all, or "

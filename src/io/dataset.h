@@ -60,7 +60,6 @@ typedef struct {
     const mukca_chain *chain;
     const mukca_dataset_options *options;
     mukca_error *error;
-    int capacity;                  /* samples allocated */
     bool warned[MUKCA_MAX_JOINTS]; /* a note of exceeded limits was printed */
     double payload; /* default payload of samples without their own, kg; NaN: unknown */
 } mukca_dataset_builder;

@@ -2,7 +2,6 @@
 #include "io/dataset.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/file.h"
@@ -77,40 +76,18 @@ static mukca_status build_distance(mukca_dataset_builder *builder, int a, int b,
     return MUKCA_OK;
 }
 
-/* Grow a list of samples; new ones are NaN. */
-static mukca_status resize_rows(double **list, int width, int capacity,
-                                const mukca_dataset_builder *builder)
+/* Lengthen the list of a column from `from` samples to all: NaN. */
+static mukca_status extend(mukca_dataset_builder *builder, int column, int from)
 {
-    const size_t w = (size_t)width, end = (size_t)capacity * w;
-    const size_t from = *list ? (size_t)builder->capacity * w : 0;
-    double *grown = check(realloc(*list, end * sizeof *grown), builder);
-    if (!grown) return MUKCA_MEMORY;
-    for (size_t i = from; i < end; i++) grown[i] = (double)NAN;
-    *list = grown;
-    return MUKCA_OK;
-}
-
-/* Make room for one more sample. */
-static mukca_status reserve(mukca_dataset_builder *builder)
-{
-    enum { FIRST = 128, MOST = 1 << 28 }; /* samples; indices are int */
     mukca_dataset *d = builder->data;
-    if (d->n_rows < builder->capacity) return MUKCA_OK;
-    const int capacity = builder->capacity ? 2 * builder->capacity : FIRST;
-    if (capacity > MOST) return mukca_fail(builder->error, MUKCA_MEMORY, "too many rows");
-    mukca_status status = MUKCA_OK;
-    int **const indices[] = {&d->socket, &d->row, &d->file, &d->target};
-    for (int i = 0; i < (d->target ? 4 : 3) && status == MUKCA_OK; i++) {
-        int *grown = check(realloc(*indices[i], (size_t)capacity * sizeof *grown), builder);
-        if (!grown) return MUKCA_MEMORY;
-        *indices[i] = grown;
+    const int width = mukca_column_width(column, d->n_joints);
+    while (from < d->n_rows) {
+        double *values = check(
+            mukca_list_append(&d->column[column], &from, (size_t)width * sizeof *values), builder);
+        if (!values) return MUKCA_MEMORY;
+        for (int k = 0; k < width; k++) values[k] = (double)NAN;
     }
-    for (int c = 0; c < MUKCA_COLUMNS && status == MUKCA_OK; c++)
-        if (d->column[c] || c == MUKCA_COLUMN_Q)
-            status =
-                resize_rows(&d->column[c], mukca_column_width(c, d->n_joints), capacity, builder);
-    if (status == MUKCA_OK) builder->capacity = capacity;
-    return status;
+    return MUKCA_OK;
 }
 
 /* Store the sample's values of a column unless all are NaN; the first sample with a value creates
@@ -123,59 +100,63 @@ static mukca_status set_values(mukca_dataset_builder *builder, int row, int colu
     bool any = false;
     for (int i = 0; i < width; i++) any |= !isnan(values[i]);
     if (!any) return MUKCA_OK;
-    mukca_status status = MUKCA_OK;
-    if (!*list) status = resize_rows(list, width, builder->capacity, builder);
-    if (status == MUKCA_OK)
+    MUKCA_TRY(extend(builder, column, *list ? builder->data->n_rows : 0));
+    if (*list) /* there is a sample */
         memcpy(*list + (size_t)row * (size_t)width, values, (size_t)width * sizeof *values);
-    return status;
+    return MUKCA_OK;
 }
 
-/* Set the target of sample i; the first sample with a target creates the list. */
-static mukca_status set_target(mukca_dataset_builder *builder, int i, const char *name)
+/* Append an index to a list of n. */
+static mukca_status add_index(mukca_dataset_builder *builder, int **list, int n, int index)
+{
+    int *added = check(mukca_list_append(list, &n, sizeof *added), builder);
+    if (!added) return MUKCA_MEMORY;
+    *added = index;
+    return MUKCA_OK;
+}
+
+/* Append the target of sample i; the first sample with a target creates the list. */
+static mukca_status add_target(mukca_dataset_builder *builder, int i, const char *name)
 {
     mukca_dataset *d = builder->data;
-    if (!name && !d->target) return MUKCA_OK;
-    if (!d->target) {
-        d->target = check(malloc((size_t)builder->capacity * sizeof *d->target), builder);
-        if (!d->target) return MUKCA_MEMORY;
-        for (int k = 0; k < i; k++) d->target[k] = -1;
-    }
-    d->target[i] = -1;
-    if (!name) return MUKCA_OK;
+    const bool first = !d->target;
     int t = 0;
-    while (t < d->n_targets && strcmp(d->targets[t], name) != 0) t++;
-    if (t == d->n_targets) {
+    if (!name && first) return MUKCA_OK;
+    for (int k = 0; k < i && first; k++) MUKCA_TRY(add_index(builder, &d->target, k, -1));
+    while (name && t < d->n_targets && strcmp(d->targets[t], name) != 0) t++;
+    if (name && t == d->n_targets) {
         char *added =
             check(mukca_list_append(&d->targets, &d->n_targets, sizeof *d->targets), builder);
         if (!added) return MUKCA_MEMORY;
         snprintf(added, sizeof *d->targets, "%s", name);
     }
-    d->target[i] = t;
-    return MUKCA_OK;
+    return add_index(builder, &d->target, i, name ? t : -1);
 }
 
 mukca_status mukca_build_row(mukca_dataset_builder *builder, const mukca_row *row, int socket,
                              int row_in_file)
 {
+    enum { MOST = 1 << 28 }; /* samples; indices are int */
     mukca_dataset *d = builder->data;
-    MUKCA_TRY(reserve(builder));
-    const int i = d->n_rows++;
-    d->socket[i] = socket;
-    d->file[i] = d->n_files - 1;
-    d->row[i] = row_in_file;
-    mukca_status status = set_target(builder, i, row->target);
-    for (int c = 0; c < MUKCA_COLUMNS && status == MUKCA_OK; c++)
-        status = set_values(builder, i, c, row->number[c]);
-    if (status == MUKCA_OK && isnan(row->payload[0]))
-        status = set_values(builder, i, MUKCA_COLUMN_PAYLOAD, &builder->payload);
-    return status;
+    const int i = d->n_rows;
+    if (i == MOST) return mukca_fail(builder->error, MUKCA_MEMORY, "too many rows");
+    MUKCA_TRY(add_index(builder, &d->socket, i, socket));
+    MUKCA_TRY(add_index(builder, &d->file, i, d->n_files - 1));
+    MUKCA_TRY(add_index(builder, &d->row, i, row_in_file));
+    MUKCA_TRY(add_target(builder, i, row->target));
+    d->n_rows++;
+    for (int c = 0; c < MUKCA_COLUMNS; c++) {
+        const bool unknown = c == MUKCA_COLUMN_PAYLOAD && isnan(row->payload[0]);
+        MUKCA_TRY(extend(builder, c, d->column[c] ? i : d->n_rows)); /* if there is a list */
+        MUKCA_TRY(set_values(builder, i, c, unknown ? &builder->payload : row->number[c]));
+    }
+    return MUKCA_OK;
 }
 
 mukca_status mukca_build_pose(mukca_dataset_builder *builder, int row, const double pose[7])
 {
-    const mukca_status status = set_values(builder, row, MUKCA_COLUMN_POSITION, pose);
-    return status == MUKCA_OK ? set_values(builder, row, MUKCA_COLUMN_QUATERNION, pose + 3)
-                              : status;
+    MUKCA_TRY(set_values(builder, row, MUKCA_COLUMN_POSITION, pose));
+    return set_values(builder, row, MUKCA_COLUMN_QUATERNION, pose + 3);
 }
 
 /* ---- known distances between the sockets of a placement ---- */
@@ -211,9 +192,8 @@ mukca_status mukca_distances_set(mukca_dataset_builder *b, double distance)
 }
 
 /* Apply one row of --distances to all placements with both sockets. */
-static void set_distance(void *context, mukca_table *t, const int *column)
+static void set_distance(mukca_dataset_builder *b, mukca_table *t, const int column[3])
 {
-    mukca_dataset_builder *b = context;
     const mukca_dataset *d = b->data;
     const double distance = mukca_table_number(t, column[2]);
     const char *label[2] = {t->cell[column[0]], t->cell[column[1]]};
@@ -243,16 +223,21 @@ static void set_distance(void *context, mukca_table *t, const int *column)
 mukca_status mukca_distances_read(mukca_dataset_builder *b, const char *path)
 {
     static const char *const names[3] = {"socket_a", "socket_b", "distance_m"};
-    mukca_status status = mukca_table_read(path, names, 3, set_distance, b, b->error);
+    mukca_table table;
+    int column[3];
+    mukca_table_open(&table, path, MUKCA_HEADER, b->error);
+    for (int i = 0; i < 3; i++) column[i] = mukca_table_require(&table, names[i]);
+    while (mukca_table_next(&table)) set_distance(b, &table, column);
+    MUKCA_TRY(mukca_table_close(&table));
     const mukca_dataset *d = b->data;
-    for (int p = 0; p < d->n_placements && status == MUKCA_OK; p++) {
+    for (int p = 0; p < d->n_placements; p++) {
         int known = 0;
         for (int k = 0; k < d->n_distances; k++)
             known += d->sockets[d->distances[k].a].placement == p;
         if (!known)
-            status = mukca_fail(b->error, MUKCA_INPUT,
-                                "%s: no pair of sockets of placement '%s'; add one",
-                                mukca_file_shown(path), d->placements[p].name);
+            return mukca_fail(b->error, MUKCA_INPUT,
+                              "%s: no pair of sockets of placement '%s'; add one",
+                              mukca_file_shown(path), d->placements[p].name);
     }
-    return status;
+    return MUKCA_OK;
 }

@@ -2,11 +2,11 @@
 #include "io/dataset.h"
 
 #include <math.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/file.h"
+#include "base/hash.h"
 #include "base/pool.h"
 #include "model/dataset_subset.h"
 
@@ -38,16 +38,10 @@ static bool repeats(const mukca_dataset *a, int i, const mukca_dataset *b, int k
     return same;
 }
 
-/* Bucket of a sample by its joint angles, bit by bit: FNV-1a of their words, whose upper half is
- * mixed best. */
+/* Bucket of a sample by its joint angles, bit by bit. */
 static size_t bucket_of(const double *q, int n, int bits)
 {
-    uint64_t hash = 0xcbf29ce484222325u, word;
-    for (int j = 0; j < n; j++) {
-        memcpy(&word, &q[j], sizeof word);
-        hash = (hash ^ word ^ word >> 32) * 0x100000001b3u;
-    }
-    return (size_t)(hash * 0x9e3779b97f4a7c15u >> (64 - bits));
+    return (size_t)(mukca_hash(MUKCA_HASH_START, q, (size_t)n * sizeof *q) >> (64 - bits));
 }
 
 /* original[n_rows]: index of the sample of `reference` (NULL: an earlier one of `data`) that each
@@ -153,9 +147,7 @@ static void report(const mukca_dataset *data, int file, const mukca_dataset *ref
     }
     if (!copies) return;
     const bool within = !reference && from == file;
-    char name[512];
-    snprintf(name, sizeof name, "%s",
-             within ? "others of it" : mukca_file_shown(source->files[from]));
+    const char *name = within ? "others of it" : mukca_file_shown(source->files[from]);
     mukca_note_format(notes, "%s: %d of %d rows repeat %s%s to the last digit; %s",
                       mukca_file_shown(data->files[file]), copies, rows, within ? "" : "rows of ",
                       name, reference ? "not used for testing" : "each is used once");

@@ -10,11 +10,19 @@
 
 #include "base/file.h"
 #include "base/list.h"
+#include "base/pool.h"
 #include "base/text.h"
 
 /* Bounds: published folders have two holes; a mean needs two samples, a distance two sockets; the
  * upper limits detect tables of another kind. */
-enum { MOST_HOLES = 100, LEAST_ROWS = 2, LEAST_SOCKETS = 2, MOST_SOCKETS = 1000, LACK = 320 };
+enum {
+    MOST_HOLES = 100,
+    LEAST_ROWS = 2,
+    LEAST_SOCKETS = 2,
+    MOST_SOCKETS = 1000,
+    LACK = 320,
+    HOLE_PATH = 1100
+};
 
 /* Copy the last `parts` components of a path, without trailing slashes, to `name`; at most the last
  * 63 bytes. */
@@ -53,20 +61,25 @@ static mukca_status read_hole(mukca_dataset_builder *b, const char *path, int so
     return mukca_rows_close(&rows);
 }
 
+/* Path of the file of a hole; false: there is none. */
+static bool find_hole(char path[HOLE_PATH], const char *folder, int hole, const char *kind)
+{
+    snprintf(path, HOLE_PATH, "%.1060s/hole_%d%s.csv", folder, hole, kind);
+    return access(path, F_OK) == 0;
+}
+
 /* Count the sockets of a folder: files hole_0.csv, hole_1.csv and so on without gaps. */
 static mukca_status count_holes(int *n, const mukca_dataset_builder *b, const char *folder,
                                 int least)
 {
-    char path[1100];
+    char path[HOLE_PATH];
     int missing = -1;
     *n = 0;
-    for (int hole = 0; hole < MOST_HOLES; hole++) {
-        snprintf(path, sizeof path, "%.1000s/hole_%d.csv", folder, hole);
-        if (access(path, F_OK) == 0)
+    for (int hole = 0; hole < MOST_HOLES; hole++)
+        if (find_hole(path, folder, hole, ""))
             *n = hole + 1;
         else if (missing < 0)
             missing = hole;
-    }
     if (*n >= least && (missing < 0 || missing >= *n)) return MUKCA_OK;
     return mukca_fail(b->error, MUKCA_INPUT,
                       "%s: no hole_%d.csv; a placement is a folder with hole_0.csv, hole_1.csv "
@@ -77,51 +90,40 @@ static mukca_status count_holes(int *n, const mukca_dataset_builder *b, const ch
 /* Read a folder of one placement with at least `least` sockets; a single one is dropped later. */
 static mukca_status read_placement(mukca_dataset_builder *b, const char *folder, int least)
 {
-    char name[MUKCA_NAME_SIZE], qualified[MUKCA_NAME_SIZE], path[1100], label[16];
+    char name[MUKCA_NAME_SIZE], qualified[MUKCA_NAME_SIZE], path[HOLE_PATH], label[16];
     int holes;
     char *whole = realpath(folder, NULL); /* resolves the name of `.` */
     last_parts(name, whole ? whole : folder, 1);
     last_parts(qualified, whole ? whole : folder, 2);
     free(whole);
     MUKCA_TRY(count_holes(&holes, b, folder, least));
-    mukca_status status = mukca_build_placement(b, name, qualified);
-    for (int hole = 0; hole < holes && status == MUKCA_OK; hole++) {
+    MUKCA_TRY(mukca_build_placement(b, name, qualified));
+    for (int hole = 0; hole < holes; hole++) {
         const mukca_dataset *d = b->data;
         const int first = d->n_rows;
-        snprintf(path, sizeof path, "%.1000s/hole_%d.csv", folder, hole);
         snprintf(label, sizeof label, "%d", hole);
-        status = mukca_build_socket(b, d->n_placements - 1, label);
-        if (status == MUKCA_OK) status = read_hole(b, path, d->n_sockets - 1);
-        snprintf(path, sizeof path, "%.1000s/hole_%d_pose.csv", folder, hole);
-        if (status == MUKCA_OK && access(path, F_OK) == 0)
-            status = mukca_pose_file_read(b, path, first, d->n_rows - first);
+        MUKCA_TRY(mukca_build_socket(b, d->n_placements - 1, label));
+        (void)find_hole(path, folder, hole, "");
+        MUKCA_TRY(read_hole(b, path, d->n_sockets - 1));
+        if (!find_hole(path, folder, hole, "_pose")) continue;
+        MUKCA_TRY(mukca_pose_file_read(b, path, first, d->n_rows - first));
     }
-    return status;
-}
-
-/* Whether an entry of a folder is itself a folder of a placement. */
-static bool holds_placement(const char *folder, const char *entry)
-{
-    char path[1100];
-    if (entry[0] == '.') return false;
-    snprintf(path, sizeof path, "%.800s/%.256s/hole_0.csv", folder, entry);
-    return access(path, F_OK) == 0;
+    return MUKCA_OK;
 }
 
 /* Read one placement, or a folder of placements in alphabetical order. */
 static mukca_status read_folder(mukca_dataset_builder *b, const char *folder)
 {
     struct dirent **entries;
-    char path[1100];
+    char path[HOLE_PATH], inner[HOLE_PATH];
     int found = 0;
     mukca_status status = MUKCA_OK;
-    snprintf(path, sizeof path, "%.1000s/hole_0.csv", folder);
-    const int n = access(path, F_OK) == 0 ? 0 : scandir(folder, &entries, NULL, alphasort);
+    const int n = find_hole(path, folder, 0, "") ? 0 : scandir(folder, &entries, NULL, alphasort);
     if (n < 0) return mukca_file_fail(b->error, folder);
     for (int i = 0; i < n; i++) {
-        if (status == MUKCA_OK && holds_placement(folder, entries[i]->d_name)) {
-            snprintf(path, sizeof path, "%.800s/%.256s", folder, entries[i]->d_name);
-            status = read_placement(b, path, 1);
+        snprintf(inner, sizeof inner, "%.800s/%.256s", folder, entries[i]->d_name);
+        if (status == MUKCA_OK && entries[i]->d_name[0] != '.' && find_hole(path, inner, 0, "")) {
+            status = read_placement(b, inner, 1);
             found++;
         }
         free(entries[i]);
@@ -228,7 +230,6 @@ static void read_rows(mukca_dataset_builder *b, session *s)
     mukca_row row;
     int measured = 0, unmeasured = 0; /* one per row and target */
     mukca_table *t = &s->rows.table;
-    const char *shown = mukca_file_shown(t->path);
     while (mukca_rows_next(&s->rows, &row)) {
         if (!row.socket && isnan(row.position[0])) { /* the tracker lost the target */
             unmeasured++;
@@ -242,12 +243,12 @@ static void read_rows(mukca_dataset_builder *b, session *s)
     }
     if (t->status != MUKCA_OK) return;
     if (measured == 0)
-        mukca_table_stop(t, mukca_fail(b->error, MUKCA_INPUT, "%s: %s", shown,
-                                       t->row == 0 ? "has a header but no rows"
-                                                   : "no row has a measured position"));
+        mukca_table_fail(
+            t, MUKCA_WHOLE_TABLE,
+            t->row == 0 ? "has a header but no rows" : "no row has a measured position");
     else if (unmeasured)
-        mukca_note_format(b->options->notes, "%s: %d of %d %s ignored: no measured position", shown,
-                          unmeasured, measured + unmeasured,
+        mukca_note_format(b->options->notes, "%s: %d of %d %s ignored: no measured position",
+                          mukca_file_shown(t->path), unmeasured, measured + unmeasured,
                           s->rows.column.n_measured > 1 ? "measurements" : "rows");
 }
 
@@ -274,16 +275,16 @@ static const char *file_of(const mukca_dataset *d, int socket)
     return "";
 }
 
-/* Number of the placement's sockets with enough samples; its deficiency in `text`, "" for none. */
-static int find_lack(char text[LACK], const mukca_dataset *d, int placement, const int *rows)
+/* Describe what a placement with so many `good` sockets lacks; "": nothing. */
+static void find_lack(char text[LACK], const mukca_dataset *d, int placement, const int *rows,
+                      int good)
 {
     const char *name = d->placements[placement].name;
-    int good = 0, last = 0, poor = -1;
+    int last = 0, poor = -1;
     text[0] = '\0';
     for (int s = 0; s < d->n_sockets; s++) {
         if (d->sockets[s].placement != placement) continue;
         last = s;
-        good += rows[s] >= LEAST_ROWS;
         if (poor < 0 && rows[s] < LEAST_ROWS) poor = s;
     }
     if (poor >= 0)
@@ -297,45 +298,41 @@ static int find_lack(char text[LACK], const mukca_dataset *d, int placement, con
                  "%s: placement '%s': only one socket; at least two, a known distance apart, are "
                  "needed",
                  file_of(d, last), name);
-    return good;
 }
 
 /* Drop incomplete placements and sockets, with a note for each; an error if nothing remains. */
 static mukca_status drop_unfinished(const mukca_dataset_builder *b)
 {
     mukca_dataset *d = b->data;
+    mukca_pool pool = {0};
     char text[LACK];
-    int *rows = calloc((size_t)d->n_sockets + 1, sizeof *rows), left = 0;
-    unsigned char *keep = malloc((size_t)d->n_rows + 1);
+    int *rows = MUKCA_TAKE(&pool, int, d->n_sockets + 1), left = 0; /* of each socket */
+    int *good = MUKCA_TAKE(&pool, int, d->n_placements + 1); /* sockets with enough of them */
+    unsigned char *keep = MUKCA_TAKE(&pool, unsigned char, d->n_rows + 1);
     mukca_status status = MUKCA_OK;
-    if (!rows || !keep) {
+    if (pool.failed) {
         status = mukca_fail(b->error, MUKCA_MEMORY, "out of memory");
         goto out;
     }
     for (int i = 0; i < d->n_rows; i++)
         if (d->socket[i] >= 0) rows[d->socket[i]]++;
+    for (int s = 0; s < d->n_sockets; s++) good[d->sockets[s].placement] += rows[s] >= LEAST_ROWS;
     for (int i = 0; i < d->n_rows; i++) {
-        const int s = d->socket[i];
-        keep[i] = s < 0 || rows[s] >= LEAST_ROWS;
+        const int s = d->socket[i], p = mukca_dataset_placement(d, i);
+        keep[i] = s < 0 || (rows[s] >= LEAST_ROWS && good[p] >= LEAST_SOCKETS);
         left += keep[i];
     }
-    for (int p = 0; p < d->n_placements; p++) {
-        const bool whole = find_lack(text, d, p, rows) < LEAST_SOCKETS;
-        for (int i = 0; i < d->n_rows && whole; i++)
-            if (mukca_dataset_placement(d, i) == p) left -= keep[i], keep[i] = 0;
-    }
     for (int p = 0; p < d->n_placements && status == MUKCA_OK; p++) {
-        const bool whole = find_lack(text, d, p, rows) < LEAST_SOCKETS;
+        find_lack(text, d, p, rows, good[p]);
         if (*text && left == 0)
             status = mukca_fail(b->error, MUKCA_INPUT, "%s", text);
         else if (*text)
             mukca_note_format(b->options->notes, "%s; %s not used", text,
-                              whole ? "the placement is" : "the socket is");
+                              good[p] < LEAST_SOCKETS ? "the placement is" : "the socket is");
     }
     if (status == MUKCA_OK && left < d->n_rows) status = mukca_dataset_keep(d, keep, b->error);
 out:
-    free(rows);
-    free(keep);
+    mukca_pool_free(&pool);
     return status;
 }
 

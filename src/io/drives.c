@@ -1,7 +1,6 @@
 /* Friction and armature of an arm's joints from its URDF or MuJoCo model. */
 #include "io/drives.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,21 +9,23 @@
 
 enum {
     CLASSES = 128, /* default classes of a MuJoCo model that are known, */
-    DEPTHS = 256,  /* and nested elements; deeper joints have none */
-    VALUES = 3
+    DEPTHS = 256   /* and nested elements; deeper joints have none */
 };
 
-static const char *const mjcf[VALUES] = {"frictionloss", "damping", "armature"};
+const mukca_drive_value mukca_drive_values[MUKCA_DRIVE_VALUES] = {
+    {"coulomb", "frictionloss", "friction"},
+    {"viscous", "damping", "damping"},
+    {"armature", "armature", NULL}};
 
 /* A default class of joints. */
 typedef struct {
-    const char *name; /* in the text */
+    const char *name; /* in the text; NULL: none */
     size_t length;
-    double value[VALUES];
+    double value[MUKCA_DRIVE_VALUES];
 } joint_class;
 
 typedef struct {
-    mukca_drives *drives;
+    double *value[MUKCA_DRIVE_VALUES]; /* of the joints: out */
     const mukca_chain *chain;
     joint_class list[CLASSES]; /* the first one: of joints that have no other */
     int n;
@@ -41,11 +42,10 @@ static void read_value(double *value, const mukca_export_tag *tag, const char *n
 /* Joint of a tag by its name; -1: none of the chain. */
 static int find_joint(const mukca_export_tag *tag, const mukca_chain *chain)
 {
-    size_t start, stop;
-    if (!mukca_export_find_attribute(&start, &stop, tag, "name")) return -1;
-    for (int j = 0; j < chain->n_joints; j++)
-        if (mukca_export_same_name(mukca_chain_joint_name(chain, j), tag->at + start, stop - start))
-            return j;
+    size_t length;
+    const char *name = mukca_export_find_attribute(&length, tag, "name");
+    for (int j = 0; name && j < chain->n_joints; j++)
+        if (mukca_export_same_name(mukca_chain_joint_name(chain, j), name, length)) return j;
     return -1;
 }
 
@@ -54,19 +54,19 @@ static void read_dynamics(reader *r, const mukca_export_tag *joint)
     const int j = find_joint(joint, r->chain);
     mukca_export_tag tag;
     if (j < 0 || !mukca_export_find_below(&tag, joint, "dynamics")) return;
-    read_value(&r->drives->coulomb[j], &tag, "friction");
-    read_value(&r->drives->viscous[j], &tag, "damping");
+    for (int k = 0; k < MUKCA_DRIVE_VALUES && mukca_drive_values[k].urdf; k++)
+        read_value(&r->value[k][j], &tag, mukca_drive_values[k].urdf);
 }
 
 /* The class that an attribute names; `otherwise`: it names none. */
 static int class_of(const reader *r, const mukca_export_tag *tag, const char *attribute,
                     int otherwise)
 {
-    size_t start, stop;
-    if (!mukca_export_find_attribute(&start, &stop, tag, attribute)) return otherwise;
-    for (int k = 0; k < r->n; k++)
-        if (r->list[k].length == stop - start &&
-            memcmp(r->list[k].name, tag->at + start, stop - start) == 0)
+    size_t length;
+    const char *name = mukca_export_find_attribute(&length, tag, attribute);
+    for (int k = 0; name && k < r->n; k++)
+        if (r->list[k].name && r->list[k].length == length &&
+            memcmp(r->list[k].name, name, length) == 0)
             return k;
     return otherwise;
 }
@@ -75,13 +75,13 @@ static int class_of(const reader *r, const mukca_export_tag *tag, const char *at
  * all joints. */
 static int open_class(reader *r, const mukca_export_tag *tag, int around)
 {
-    size_t start, stop;
+    size_t length;
     const bool outermost = tag->depth == 0 || !r->defines[tag->depth - 1];
-    const bool named = mukca_export_find_attribute(&start, &stop, tag, "class");
+    const char *name = mukca_export_find_attribute(&length, tag, "class");
     if (!outermost && r->n == CLASSES) return around;
     const int k = outermost ? 0 : r->n++;
     if (!outermost) r->list[k] = r->list[around];
-    if (named) r->list[k].name = tag->at + start, r->list[k].length = stop - start;
+    if (name) r->list[k].name = name, r->list[k].length = length;
     return k;
 }
 
@@ -97,11 +97,9 @@ static void read_element(reader *r, const mukca_export_tag *tag)
     const int j = defines ? -1 : find_joint(tag, r->chain);
     joint_class *of = &r->list[defines ? around : class_of(r, tag, "class", around)], own = *of;
     if (!defines) of = &own;
-    for (int k = 0; k < VALUES; k++) read_value(&of->value[k], tag, mjcf[k]);
-    if (j < 0) return;
-    r->drives->coulomb[j] = own.value[0];
-    r->drives->viscous[j] = own.value[1];
-    r->drives->armature[j] = own.value[2];
+    for (int k = 0; k < MUKCA_DRIVE_VALUES; k++)
+        read_value(&of->value[k], tag, mukca_drive_values[k].mjcf);
+    for (int k = 0; k < MUKCA_DRIVE_VALUES && j >= 0; k++) r->value[k][j] = own.value[k];
 }
 
 mukca_status mukca_drives_read(mukca_drives *drives, const char *path, const mukca_chain *chain,
@@ -110,25 +108,17 @@ mukca_status mukca_drives_read(mukca_drives *drives, const char *path, const muk
     char *text;
     bool urdf = false;
     MUKCA_TRY(mukca_file_read(&text, path, error));
-    reader *r = calloc(1, sizeof *r);
     *drives = (mukca_drives){0};
-    if (!r) {
-        free(text);
-        return mukca_fail(error, MUKCA_MEMORY, "out of memory for %s", mukca_file_shown(path));
-    }
-    r->drives = drives;
-    r->chain = chain;
-    r->list[0].name = "";
-    r->n = 1;
+    reader r = {
+        .value = {drives->coulomb, drives->viscous, drives->armature}, .chain = chain, .n = 1};
     for (mukca_export_tag tag = {.at = text}; mukca_export_next_tag(&tag, NULL);) {
         if (tag.depth == 0) urdf = mukca_export_is_tag(&tag, "robot");
         if (tag.depth < 0 || tag.depth >= DEPTHS) continue;
         if (!urdf)
-            read_element(r, &tag);
+            read_element(&r, &tag);
         else if (tag.depth == 1 && mukca_export_is_tag(&tag, "joint"))
-            read_dynamics(r, &tag);
+            read_dynamics(&r, &tag);
     }
-    free(r);
     free(text);
     return MUKCA_OK;
 }

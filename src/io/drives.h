@@ -5,6 +5,14 @@
 #include "motion/motion.h"
 #include "mukca/status.h"
 
+/* Parameters of a drive: effect of mukca motion; attribute of a MuJoCo joint, and of the <dynamics>
+ * of a URDF (NULL: none).  In the order of mukca_drives. */
+enum { MUKCA_DRIVE_VALUES = 3 };
+typedef struct {
+    const char *effect, *mjcf, *urdf;
+} mukca_drive_value;
+extern const mukca_drive_value mukca_drive_values[MUKCA_DRIVE_VALUES];
+
 /* Read friction, damping and armature of the joints: of a URDF the <dynamics> of the robot's
  * joints, of a MuJoCo model the attributes of joints and of their default classes.  Joints without
  * them have none.  Errors: MUKCA_INPUT, MUKCA_MEMORY. */

@@ -20,12 +20,10 @@ int mukca_exporter_find(const char *path)
     const char *dot = path ? strrchr(mukca_file_name(path), '.') : NULL;
     const size_t length = dot ? strlen(dot) : 0;
     if (length < 2) return 0;
-    for (int i = 0; mukca_exporters[i].name; i++)
-        for (const char *at = mukca_exporters[i].endings; *at; at += at[0] == ' ') {
-            const size_t ending = strcspn(at, " ");
-            if (ending == length && strncmp(at, dot, length) == 0) return i;
-            at += ending;
-        }
+    for (int i = 0; mukca_exporters[i].name; i++) {
+        const char *ending = strstr(mukca_exporters[i].endings, dot);
+        if (ending && strchr(" ", ending[length])) return i;
+    }
     return -1;
 }
 
@@ -57,6 +55,11 @@ static void note_loss(const mukca_export_input *input, const mukca_exporter *exp
                       held_out);
 }
 
+static bool holds(const mukca_export_format *format, const mukca_effect *effect)
+{
+    return format->holds_all || (format->holds && format->holds(effect));
+}
+
 /* Keep the effects that the format can represent and note the other functions of the posture.
  * Returns the needs of these. */
 static int keep_held(mukca_offsets *kept, bool *lost, const mukca_export_input *input,
@@ -67,7 +70,7 @@ static int keep_held(mukca_offsets *kept, bool *lost, const mukca_export_input *
     *lost = exporter->format->zeros_only;
     kept->n_effects = 0;
     for (const mukca_effect *effect = o->effects; effect < o->effects + o->n_effects; effect++) {
-        if (exporter->format->holds && exporter->format->holds(effect)) {
+        if (holds(exporter->format, effect)) {
             kept->effects[kept->n_effects++] = *effect;
             continue;
         }
@@ -113,14 +116,24 @@ static mukca_status replace(replacement *r, const mukca_export_input *input,
     return MUKCA_OK;
 }
 
+/* Print a comment if the table was not accepted; not in a format without comments. */
+static void print_verdict(FILE *stream, const mukca_export_format *format,
+                          const mukca_acceptance *a)
+{
+    const char *const xml[2] = {"<!--", "-->"};
+    const char *const *comment = format->comment[0] ? format->comment : xml;
+    if (!a->given || a->accepted || format->zeros_only) return;
+    mukca_export_print(stream, "$s The offsets table was not accepted: $p $s\n", comment[0],
+                       a->reason, comment[1]);
+}
+
 mukca_status mukca_export_write(FILE *stream, const mukca_exporter *exporter,
                                 const mukca_export_input *input)
 {
     const mukca_export_format *format = exporter->format;
     const mukca_offsets *o = input->offsets;
     bool whole = !format->zeros_only;
-    for (int e = 0; e < o->n_effects && format->holds; e++)
-        whole = whole && format->holds(&o->effects[e]);
+    for (int e = 0; e < o->n_effects; e++) whole = whole && holds(format, &o->effects[e]);
     replacement *r = NULL;
     mukca_status status = MUKCA_OK;
     if (!whole) {
@@ -130,7 +143,7 @@ mukca_status mukca_export_write(FILE *stream, const mukca_exporter *exporter,
         input = &r->input;
     }
     if (status == MUKCA_OK) status = format->write(stream, input);
-    if (status == MUKCA_OK) mukca_export_verdict(stream, exporter, &o->acceptance);
+    if (status == MUKCA_OK) print_verdict(stream, format, &o->acceptance);
     free(r);
     return status;
 }

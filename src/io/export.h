@@ -37,16 +37,23 @@ typedef struct {
 
 /* Calibrated origin of an element: xyz (m), rpy (rad), and the quaternion, w first. */
 typedef struct {
-    double xyz[3], rpy[3], quaternion[4];
+    union {
+        struct {
+            double xyz[3], rpy[3];
+        };
+        double theta[MUKCA_PARAMETERS]; /* the same */
+    };
+    double quaternion[4];
+    bool moved; /* differs from the URDF's */
 } mukca_export_origin;
 
 /* All functions may fail with MUKCA_INPUT or MUKCA_MEMORY. */
 typedef struct {
     mukca_status (*write)(FILE *stream, const mukca_export_input *input);
-    /* whether the format can represent an effect; NULL: all effects */
-    bool (*holds)(const mukca_effect *effect);
+    bool holds_all;                            /* the format can represent every effect, */
+    bool (*holds)(const mukca_effect *effect); /* or these; NULL: none */
     bool zeros_only;        /* the format has one number per joint, added to its angle */
-    const char *comment[2]; /* start and end of a comment; NULL: the format is XML */
+    const char *comment[2]; /* start and end of a comment; NULL: of XML */
 } mukca_export_format;
 
 #define MUKCA_EXPORT_DECLARE(name, endings, description) \
@@ -79,10 +86,6 @@ mukca_status mukca_export_write(FILE *stream, const mukca_exporter *exporter,
 /* Print three lines of provenance, each preceded by `prefix`. */
 void mukca_export_provenance(FILE *stream, const char *prefix, const mukca_export_input *input);
 
-/* Print a comment if the table was not accepted; not in a format without comments. */
-void mukca_export_verdict(FILE *stream, const mukca_exporter *exporter,
-                          const mukca_acceptance *acceptance);
-
 /* A start tag of XML; zeroed but for `at`, the text: before the first. */
 typedef struct {
     const char *at;
@@ -97,9 +100,9 @@ bool mukca_export_is_tag(const mukca_export_tag *tag, const char *name);
 /* Find the first element `kind` directly below a tag. */
 bool mukca_export_find_below(mukca_export_tag *tag, const mukca_export_tag *of, const char *kind);
 
-/* Locate the value of an attribute in a tag, without its quotes; false: absent. */
-bool mukca_export_find_attribute(size_t *start, size_t *stop, const mukca_export_tag *tag,
-                                 const char *name);
+/* The value of an attribute in a tag, without its quotes, and its length; NULL: absent. */
+const char *mukca_export_find_attribute(size_t *length, const mukca_export_tag *tag,
+                                        const char *name);
 
 /* Print a tag with numbers as the values of attributes set[n], where they are or at its end.  NULL:
  * unchanged. */
@@ -112,9 +115,11 @@ void mukca_export_put_tag(FILE *stream, const mukca_export_tag *tag,
                           const mukca_export_attribute *set, int n);
 
 /* Print `format`, in which a directive stands for each further argument: $i an int; $s a text, $q
- * in double quotes, escaped as C, JSON and YAML require, $x as the value of an attribute in XML; $n
- * a number, and $c, $b numbers (const double *, int) with commas or blanks between, each with the
- * fewest digits that read back exactly, infinite ones as C's HUGE_VAL. */
+ * in double quotes, escaped as C, JSON and YAML require, $x as the value of an attribute in XML, $p
+ * without characters that end a comment of C or XML; $n a number, and $c, $b numbers (const double
+ * *, int) with commas or blanks between, each with the fewest digits that read back exactly,
+ * infinite ones as C's HUGE_VAL; $l integers (const signed char *, int) with
+ * commas. */
 void mukca_export_print(FILE *stream, const char *format, ...);
 
 /* Whether two names are equal, or one has a prefix: "panda_link1" and "link1". */
@@ -123,6 +128,12 @@ bool mukca_export_same_name(const char *name, const char *other, size_t length);
 /* Read numbers of an attribute; without it they stay.  False: unreadable. */
 bool mukca_export_read_numbers(double *values, int n, const mukca_export_tag *tag,
                                const char *name);
+
+/* Read the pose of a MuJoCo element, from pos and quat if it has them; false: unreadable. */
+bool mukca_export_read_pose(mukca_frame *pose, const mukca_export_tag *tag);
+
+/* Whether a MuJoCo element has its orientation in other numbers than quat. */
+bool mukca_export_lacks_quat(const mukca_export_tag *tag);
 
 /* Find the tag `kind` with a name, or else with a prefix of it, at a depth (-1: any); returns their
  * number. */
@@ -142,8 +153,6 @@ mukca_frame mukca_export_frame(const double xyz[3], const double rpy[3]);
 #define MUKCA_EXPORT_METRES 2e-3
 #define MUKCA_EXPORT_RADIANS 5e-3
 bool mukca_export_near(const mukca_frame *a, const mukca_frame *b);
-
-bool mukca_export_holds_none(const mukca_effect *effect);
 
 /* Get the calibrated origin; parameters changed by less than 1e-9 m or rad are exactly those of the
  * URDF. */

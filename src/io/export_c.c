@@ -42,6 +42,7 @@ static void print_arrays(FILE *stream, const char *id, const mukca_export_input 
 {
     const mukca_chain *chain = input->chain;
     const int n = chain->n_elements;
+    signed char joint[MUKCA_MAX_ELEMENTS], slides[MUKCA_MAX_ELEMENTS];
     fprintf(stream, "\nstatic const char *const %s_name[%d] = {\n", id, n);
     for (int k = 0; k < n; k++) mukca_export_print(stream, "    $q,\n", chain->element[k].name);
     static const char *const array[] = {"xyz", "rpy", "quaternion", "axis"};
@@ -56,14 +57,15 @@ static void print_arrays(FILE *stream, const char *id, const mukca_export_input 
             mukca_export_print(stream, "    {$c},\n", values[a], width[a]);
         }
     }
-    fprintf(stream,
-            "};\n\n/* index into q, -1 for a fixed joint */\nstatic const int %s_joint[%d] = {", id,
-            n);
-    for (int k = 0; k < n; k++) fprintf(stream, "%s%d", k ? ", " : "", chain->element[k].joint);
-    fprintf(stream, "};\nstatic const int %s_prismatic[%d] = {", id, n);
-    for (int k = 0; k < n; k++)
-        fprintf(stream, "%s%d", k ? ", " : "", chain->element[k].type == MUKCA_PRISMATIC);
-    fputs("};\n", stream);
+    for (int k = 0; k < n; k++) {
+        joint[k] = (signed char)chain->element[k].joint;
+        slides[k] = chain->element[k].type == MUKCA_PRISMATIC;
+    }
+    mukca_export_print(stream,
+                       "};\n\n/* index into q, -1 for a fixed joint */\n"
+                       "static const int $s_joint[$i] = {$l};\n"
+                       "static const int $s_prismatic[$i] = {$l};\n",
+                       id, n, joint, n, id, n, slides, n);
 }
 
 /* ---- the arm for libmukca_rt ---- */
@@ -92,7 +94,7 @@ static void print_chain(FILE *stream, const mukca_chain *chain)
     }
     fputs("        },\n        .joint_element = {", stream);
     for (int j = 0; j < chain->n_joints; j++)
-        fprintf(stream, "%s%d", j ? ", " : "", chain->joint_element[j]);
+        mukca_export_print(stream, j ? ", $i" : "$i", chain->joint_element[j]);
     fputs("},\n        .mass = {", stream);
     for (const mukca_mass *m = chain->mass; m < chain->mass + chain->n_masses; m++)
         mukca_export_print(stream, "\n            {.element = $i, .kg = $n, .com = {$c}},",
@@ -112,16 +114,10 @@ static void print_geometry(FILE *stream, const mukca_export_input *input)
     fputs("        },\n        .axis = {", stream);
     for (int k = 0; k < geometry.n_elements; k++)
         mukca_export_print(stream, k ? ", {$c}" : "{$c}", geometry.axis[k], 3);
-    const struct {
-        const char *name;
-        const signed char *values;
-    } arrays[] = {{"type", geometry.type}, {"joint", geometry.joint}, {"axis_z", geometry.axis_z}};
-    for (int a = 0; a < 3; a++) {
-        fprintf(stream, "},\n        .%s = {", arrays[a].name);
-        for (int k = 0; k < geometry.n_elements; k++)
-            fprintf(stream, "%s%d", k ? ", " : "", arrays[a].values[k]);
-    }
-    fputs("}},\n", stream);
+    const int n = geometry.n_elements;
+    mukca_export_print(
+        stream, "},\n        .type = {$l},\n        .joint = {$l},\n        .axis_z = {$l}},\n",
+        geometry.type, n, geometry.joint, n, geometry.axis_z, n);
 }
 
 static void print_applied(FILE *stream, const mukca_offsets *o)
@@ -178,4 +174,5 @@ static mukca_status write_c(FILE *stream, const mukca_export_input *input)
     return MUKCA_OK;
 }
 
-const mukca_export_format mukca_export_c = {.write = write_c, .comment = {"/*", "*/"}};
+const mukca_export_format mukca_export_c = {
+    .write = write_c, .holds_all = true, .comment = {"/*", "*/"}};

@@ -105,8 +105,7 @@ static void find_rows(row *rows, const mukca_export_input *input)
     for (int k = 0; k < chain->n_elements; k++) {
         mukca_export_origin origin;
         mukca_export_get_origin(&origin, input, k);
-        memcpy(theta + MUKCA_PARAMETERS * k, origin.xyz, sizeof origin.xyz);
-        memcpy(theta + MUKCA_PARAMETERS * k + 3, origin.rpy, sizeof origin.rpy);
+        memcpy(theta + MUKCA_PARAMETERS * k, origin.theta, sizeof origin.theta);
     }
     mukca_geometry_set(&geometry, chain, theta);
     mukca_fk_frames(before, &tip, &geometry, q, NULL);
@@ -167,7 +166,5 @@ static mukca_status write_modified(FILE *stream, const mukca_export_input *input
     return write_table(stream, input, true);
 }
 
-const mukca_export_format mukca_export_dh = {
-    .write = write_standard, .holds = mukca_export_holds_none, .comment = {"#", "\n"}};
-const mukca_export_format mukca_export_mdh = {
-    .write = write_modified, .holds = mukca_export_holds_none, .comment = {"#", "\n"}};
+const mukca_export_format mukca_export_dh = {.write = write_standard, .comment = {"#", "\n"}};
+const mukca_export_format mukca_export_mdh = {.write = write_modified, .comment = {"#", "\n"}};

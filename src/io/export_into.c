@@ -35,20 +35,15 @@ static void relate(mukca_frame *C, const mukca_frame *A, const mukca_frame *B)
 static mukca_status place(mukca_frame *body, const patch *p, const mukca_export_tag *tag,
                           const mukca_element *e)
 {
-    static const char *const others[] = {"euler", "axisangle", "xyaxes", "zaxis", NULL};
-    double quat[4] = {1, 0, 0, 0}, pos[3] = {0, 0, 0}, off[3];
-    mukca_frame step = identity, link;
+    double pos[3] = {0, 0, 0}, off[3];
+    mukca_frame step, link;
     mukca_export_tag inner = *tag;
-    size_t start, stop;
-    for (int i = 0; others[i]; i++)
-        if (mukca_export_find_attribute(&start, &stop, tag, others[i]))
-            return fail(p, e->child, "has no quat; save the model from MuJoCo, which writes it");
+    if (mukca_export_lacks_quat(tag))
+        return fail(p, e->child, "has no quat; save the model from MuJoCo, which writes it");
     const bool joint = e->joint >= 0 && mukca_export_next_tag(&inner, "joint");
-    if (!mukca_export_read_numbers(step.p, 3, tag, "pos") ||
-        !mukca_export_read_numbers(quat, 4, tag, "quat") ||
+    if (!mukca_export_read_pose(&step, tag) ||
         (joint && !mukca_export_read_numbers(pos, 3, &inner, "pos")))
         return fail(p, e->child, "has a pos or quat that is not numbers");
-    mukca_rotation_from_quaternion(step.R, quat);
     relate(&link, &p->nominal, &p->body);
     mukca_frame_multiply(body, &link, &step);
     if (mukca_export_near(body, &identity)) {
@@ -121,8 +116,8 @@ static mukca_status write_into(FILE *stream, const mukca_export_input *input)
 {
     const mukca_chain *chain = input->chain;
     char *text;
-    mukca_status status = mukca_file_read(&text, input->into, input->error);
-    if (status != MUKCA_OK) return status;
+    mukca_status status = MUKCA_OK;
+    MUKCA_TRY(mukca_file_read(&text, input->into, input->error));
     patch p = {stream, input, text, identity, identity, identity};
     if (!strstr(text, "<mujoco")) {
         free(text);
@@ -147,5 +142,4 @@ static mukca_status write_into(FILE *stream, const mukca_export_input *input)
     return status;
 }
 
-const mukca_export_format mukca_export_into = {.write = write_into,
-                                               .holds = mukca_export_holds_none};
+const mukca_export_format mukca_export_into = {.write = write_into};

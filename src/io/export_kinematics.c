@@ -21,17 +21,13 @@ static void print_entry(FILE *stream, const mukca_kinematics *k, const char *nam
 static void note_others(const mukca_export_input *input, const bool *written)
 {
     for (int e = 0; e < input->chain->n_elements; e++) {
-        const mukca_element *nominal = &input->chain->element[e];
         mukca_export_origin origin;
         mukca_export_get_origin(&origin, input, e);
-        bool moved = false;
-        for (int i = 0; i < 3; i++)
-            moved |= origin.xyz[i] != nominal->xyz[i] || origin.rpy[i] != nominal->rpy[i];
-        if (written[e] || !moved) continue;
+        if (written[e] || !origin.moved) continue;
         mukca_note_format(input->notes,
                           "the calibrated origin of '%s' is not exported: the file has no entry "
                           "for it; put it into the URDF",
-                          nominal->name);
+                          input->chain->element[e].name);
     }
 }
 
@@ -65,22 +61,19 @@ static mukca_status write_kinematics(FILE *stream, const mukca_export_input *inp
     for (int i = 0; i < k->n; i++) {
         const mukca_kinematics_entry *entry = &k->entry[i];
         const int element = mukca_kinematics_find(input->chain, entry->name);
-        double value[MUKCA_PARAMETERS];
-        memcpy(value, entry->value, sizeof value);
+        mukca_export_origin origin;
+        memcpy(origin.theta, entry->value, sizeof origin.theta);
         if (element >= 0) {
-            mukca_export_origin origin;
             mukca_export_get_origin(&origin, input, element);
-            memcpy(value, origin.xyz, sizeof origin.xyz);
-            memcpy(value + 3, origin.rpy, sizeof origin.rpy);
-            for (int p = 0; p < MUKCA_PARAMETERS; p++) fitted |= value[p] != entry->value[p];
+            for (int p = 0; p < MUKCA_PARAMETERS; p++) fitted |= origin.theta[p] != entry->value[p];
             written[element] = true;
         }
-        print_entry(stream, k, entry->name, value);
+        print_entry(stream, k, entry->name, origin.theta);
     }
     write_hash(stream, input, k, fitted);
     note_others(input, written);
     return MUKCA_OK;
 }
 
-const mukca_export_format mukca_export_kinematics = {
-    .write = write_kinematics, .holds = mukca_export_holds_none, .comment = {"#", "\n"}};
+const mukca_export_format mukca_export_kinematics = {.write = write_kinematics,
+                                                     .comment = {"#", "\n"}};

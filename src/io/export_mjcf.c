@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "io/export.h"
+#include "io/urdf.h"
 
 /* Of one joint: compliance about and across its axis, rad/(N m) or m/N; backlash, rad. */
 typedef struct {
@@ -12,7 +13,6 @@ typedef struct {
 
 typedef struct {
     FILE *stream;
-    const mukca_export_input *input;
     const mukca_chain *chain;
     elasticity joint[MUKCA_MAX_JOINTS];
     double base; /* compliance, rad/(N m) */
@@ -46,18 +46,12 @@ static bool holds(const mukca_effect *effect)
     return equivalent(&w, effect) != NULL;
 }
 
-/* Sum the equivalents; effects without one are listed in the comment. */
-static void gather(writer *w)
+/* Sum the equivalents of the effects; those without one are not among them (mukca_export_write). */
+static void gather(writer *w, const mukca_offsets *offsets)
 {
-    const mukca_offsets *o = w->input->offsets;
-    for (int e = 0; e < o->n_effects; e++) {
-        double *sum = equivalent(w, &o->effects[e]);
-        const char *joint = mukca_chain_joint_name(w->input->chain, o->effects[e].joint);
-        if (sum)
-            *sum += o->effects[e].coefficient[0];
-        else
-            fprintf(w->stream, "     Not represented by a spring or stop: %s of %s\n",
-                    mukca_effect_table[o->effects[e].kind]->name, joint ? joint : "the arm");
+    for (int e = 0; e < offsets->n_effects; e++) {
+        double *sum = equivalent(w, &offsets->effects[e]);
+        if (sum) *sum += offsets->effects[e].coefficient[0];
     }
 }
 
@@ -69,11 +63,8 @@ static void print_inertial(const writer *w, int k, bool moves)
     for (int m = 0; m < w->chain->n_masses; m++)
         if (w->chain->mass[m].element == k && w->chain->mass[m].kg > 0) mass = w->chain->mass[m];
     if (!(mass.kg > 0)) return;
-    const double *I = mass.inertia, ball = 0.4 * 0.05 * 0.05 * mass.kg; /* 2/5 m r^2 */
-    const double minor = I[0] * I[1] - I[3] * I[3];
-    const double determinant =
-        minor * I[2] - I[0] * I[5] * I[5] - I[1] * I[4] * I[4] + 2 * I[3] * I[4] * I[5];
-    if (!(I[0] > 0 && minor > 0 && determinant > 0)) { /* MuJoCo refuses others */
+    const double ball = 0.4 * 0.05 * 0.05 * mass.kg; /* 2/5 m r^2 */
+    if (!mukca_tensor_positive(mass.inertia)) {      /* MuJoCo refuses others */
         memset(mass.inertia + 3, 0, 3 * sizeof *mass.inertia);
         for (int i = 0; i < 3; i++) mass.inertia[i] = ball;
     }
@@ -142,7 +133,7 @@ static void open_body(writer *w, const char *link, const double *pos, const doub
 static mukca_status write_mjcf(FILE *stream, const mukca_export_input *input)
 {
     const mukca_chain *chain = input->chain;
-    writer w = {.stream = stream, .input = input, .chain = chain};
+    writer w = {.stream = stream, .chain = chain};
     fputs("<!--\n", stream);
     mukca_export_provenance(stream, "     ", input);
     fputs(
@@ -150,7 +141,7 @@ static mukca_status write_mjcf(FILE *stream, const mukca_export_input *input)
         "     calibrated origins.  Springs (_flex, _bend, base_flex) and stops (_play) represent\n"
         "     the identified effects; inertia tensors are the URDF's.\n",
         stream);
-    gather(&w);
+    gather(&w, input->offsets);
     mukca_export_print(
         stream,
         "-->\n<mujoco model=\"$x\">\n"

@@ -6,6 +6,7 @@
 
 #include "base/file.h"
 #include "base/text.h"
+#include "io/drives.h"
 #include "io/export.h"
 #include "io/table.h"
 #include "io/urdf.h"
@@ -13,13 +14,7 @@
 const char *const mukca_export_inertial[10] = {"mass", "moment_x", "moment_y", "moment_z", "ixx",
                                                "iyy",  "izz",      "ixy",      "ixz",      "iyz"};
 
-/* Parameters of a drive: effect, attributes of a MuJoCo joint and of <dynamics> (NULL: none). */
-enum { COULOMB, VISCOUS, ARMATURE, DRIVES };
-static const struct {
-    const char *effect, *mjcf, *urdf;
-} drives[DRIVES] = {{"coulomb", "frictionloss", "friction"},
-                    {"viscous", "damping", "damping"},
-                    {"armature", "armature", NULL}};
+enum { DRIVES = MUKCA_DRIVE_VALUES };
 
 typedef struct {
     const mukca_export_input *input;
@@ -62,9 +57,8 @@ static void note_left_out(const reader *r, double probability)
 }
 
 /* Keep a row of an effect that is more probable than not: of each finding the first one. */
-static void read_row(void *context, mukca_table *table, const int *column)
+static void read_row(reader *r, mukca_table *table, const int *column)
 {
-    reader *r = context;
     patch *p = r->p;
     char *const *cell = table->cell;
     const char *effect = cell[column[EFFECT]], *name = cell[column[JOINT]];
@@ -85,7 +79,8 @@ static void read_row(void *context, mukca_table *table, const int *column)
     if (strcmp(effect, r->effect) != 0 || strcmp(name, r->joint) != 0) return;
     bool held = false;
     for (int d = 0; d < DRIVES && probability >= 0.5; d++)
-        if (strcmp(effect, drives[d].effect) == 0 && (!p->urdf || drives[d].urdf)) {
+        if (strcmp(effect, mukca_drive_values[d].effect) == 0 &&
+            (!p->urdf || mukca_drive_values[d].urdf)) {
             p->drive[joint][d] = fmax(fitted + value, 0);
             held = true;
         }
@@ -99,27 +94,24 @@ static void read_row(void *context, mukca_table *table, const int *column)
     if (!held && first) note_left_out(r, probability);
 }
 
-/* Whether the table was made with the URDF of --urdf: its hash is in a comment. */
-static mukca_status check_table(const mukca_export_input *input)
-{
-    mukca_table table;
-    mukca_table_open(&table, input->motion, MUKCA_HEADER, input->error);
-    const bool known = table.comments && strstr(table.comments, input->chain->urdf_sha256);
-    const mukca_status status = mukca_table_close(&table);
-    if (status != MUKCA_OK || known || input->other_arm) return status;
-    return mukca_fail(input->error, MUKCA_INPUT,
-                      "%s: made with another URDF than --urdf; --accept-other-arm uses it "
-                      "nevertheless",
-                      mukca_file_shown(input->motion));
-}
-
+/* Read the table, which has the hash of the URDF that it was made with in a comment. */
 static mukca_status read_changes(patch *p)
 {
+    const mukca_export_input *input = p->input;
     reader r = {.p = p};
+    mukca_table table;
+    int column[COLUMNS];
     for (int j = 0; j < MUKCA_MAX_JOINTS; j++)
         for (int d = 0; d < DRIVES; d++) p->drive[j][d] = (double)NAN;
-    MUKCA_TRY(check_table(p->input));
-    return mukca_table_read(p->input->motion, columns, COLUMNS, read_row, &r, p->input->error);
+    mukca_table_open(&table, input->motion, MUKCA_HEADER, input->error);
+    if (table.status == MUKCA_OK && !strstr(table.comments, input->chain->urdf_sha256) &&
+        !input->other_arm)
+        mukca_table_fail(&table, MUKCA_WHOLE_TABLE,
+                         "made with another URDF than --urdf; --accept-other-arm uses it "
+                         "nevertheless");
+    for (int i = 0; i < COLUMNS; i++) column[i] = mukca_table_require(&table, columns[i]);
+    while (mukca_table_next(&table)) read_row(&r, &table, column);
+    return mukca_table_close(&table);
 }
 
 /* ---- links and joints ---- */
@@ -141,12 +133,13 @@ typedef struct {
     size_t size;
 } edit;
 
-static bool begin(edit *e, const patch *p, const char *until)
+static mukca_status begin(edit *e, const patch *p, const char *until)
 {
     *e = (edit){0};
     e->stream = open_memstream(&e->text, &e->size);
-    if (e->stream) fwrite(p->text, 1, (size_t)(until - p->text), e->stream);
-    return e->stream != NULL;
+    if (!e->stream) return mukca_fail(p->input->error, MUKCA_MEMORY, "out of memory");
+    fwrite(p->text, 1, (size_t)(until - p->text), e->stream);
+    return MUKCA_OK;
 }
 
 static mukca_status finish(edit *e, patch *p, const char *from)
@@ -168,7 +161,7 @@ static mukca_status find(mukca_export_tag *tag, const patch *p, const char *kind
     return n == 1 ? MUKCA_OK : fail(p, kind, name, n ? "is there more than once" : "is missing");
 }
 
-/* Write a tag without its `/`, or a text behind it; `kind`, its element, is then closed. */
+/* Write a tag without its `/`: its element is open.  Returns what follows the tag. */
 static const char *open_tag(FILE *stream, const mukca_export_tag *tag)
 {
     const bool closed = tag->at[tag->length - 2] == '/';
@@ -181,6 +174,7 @@ static const char *open_tag(FILE *stream, const mukca_export_tag *tag)
 
 static mukca_status patch_joint(patch *p, int joint)
 {
+    static const mukca_export_tag fresh = {.at = "<dynamics/>", .length = 11};
     const char *name = mukca_chain_joint_name(p->input->chain, joint);
     mukca_export_attribute set[DRIVES];
     mukca_export_tag tag, inner;
@@ -188,29 +182,22 @@ static mukca_status patch_joint(patch *p, int joint)
     int n = 0;
     MUKCA_TRY(find(&tag, p, "joint", name));
     const bool below = p->urdf && mukca_export_find_below(&inner, &tag, "dynamics");
+    const mukca_export_tag *changed = below ? &inner : p->urdf ? &fresh : &tag;
     for (int d = 0; d < DRIVES; d++) {
         const double *value = &p->drive[joint][d];
         double own = 0;
         if (!isfinite(*value)) continue;
-        set[n] = (mukca_export_attribute){p->urdf ? drives[d].urdf : drives[d].mjcf, value, 1};
-        if (below || !p->urdf)
-            mukca_export_read_numbers(&own, 1, below ? &inner : &tag, set[n].name);
+        set[n] = (mukca_export_attribute){
+            p->urdf ? mukca_drive_values[d].urdf : mukca_drive_values[d].mjcf, value, 1};
+        mukca_export_read_numbers(&own, 1, changed, set[n].name);
         mukca_note_format(p->input->notes, "joint '%.60s': %s %.4g to %.4g", name, set[n].name, own,
                           *value);
         n++;
     }
     if (n == 0) return MUKCA_OK;
-    const mukca_export_tag *changed = below ? &inner : &tag;
-    if (!begin(&e, p, changed->at))
-        return mukca_fail(p->input->error, MUKCA_MEMORY, "out of memory");
-    const char *rest = changed->at + changed->length;
-    if (below || !p->urdf) {
-        mukca_export_put_tag(e.stream, changed, set, n);
-    } else {
-        const mukca_export_tag fresh = {.at = "<dynamics/>", .length = 11};
-        rest = open_tag(e.stream, &tag);
-        mukca_export_put_tag(e.stream, &fresh, set, n);
-    }
+    MUKCA_TRY(begin(&e, p, below ? inner.at : tag.at));
+    const char *rest = changed == &fresh ? open_tag(e.stream, &tag) : changed->at + changed->length;
+    mukca_export_put_tag(e.stream, changed, set, n);
     return finish(&e, p, rest);
 }
 
@@ -220,8 +207,8 @@ static mukca_status patch_joint(patch *p, int joint)
 static bool read_inertial(mukca_mass *b, const patch *p, const mukca_export_tag *tag)
 {
     static const char *const tensor[6] = {"ixx", "iyy", "izz", "ixy", "ixz", "iyz"};
-    double quat[4] = {1, 0, 0, 0}, rpy[3] = {0, 0, 0};
-    mukca_frame T = {.R = MUKCA_IDENTITY};
+    double rpy[3] = {0, 0, 0};
+    mukca_frame T = {.p = {0}};
     mukca_mass own = {0};
     mukca_export_tag inner;
     bool ok = true;
@@ -235,16 +222,10 @@ static bool read_inertial(mukca_mass *b, const patch *p, const mukca_export_tag 
             ok &= mukca_export_read_numbers(&own.inertia[i], 1, &inner, tensor[i]);
         mukca_rotation_from_rpy(T.R, rpy);
     } else {
-        static const char *const others[] = {"euler", "axisangle", "xyaxes", "zaxis"};
-        size_t start, stop;
-        for (int i = 0; i < 4; i++)
-            ok &= !mukca_export_find_attribute(&start, &stop, tag, others[i]);
-        ok &= mukca_export_read_numbers(T.p, 3, tag, "pos") &&
-              mukca_export_read_numbers(quat, 4, tag, "quat") &&
-              mukca_export_read_numbers(&own.kg, 1, tag, "mass") &&
-              mukca_export_read_numbers(own.inertia, 3, tag, "diaginertia") &&
-              mukca_export_read_numbers(own.inertia, 6, tag, "fullinertia");
-        mukca_rotation_from_quaternion(T.R, quat);
+        ok = !mukca_export_lacks_quat(tag) && mukca_export_read_pose(&T, tag) &&
+             mukca_export_read_numbers(&own.kg, 1, tag, "mass") &&
+             mukca_export_read_numbers(own.inertia, 3, tag, "diaginertia") &&
+             mukca_export_read_numbers(own.inertia, 6, tag, "fullinertia");
     }
     *b = (mukca_mass){0};
     mukca_body_add(b, &T, &own);
@@ -303,8 +284,7 @@ static mukca_status patch_link(patch *p, int joint)
                       kind, name, before, b.kg, b.com[0], b.com[1], b.com[2]);
     for (int i = 0; i < 3; i++) b.com[i] -= frame.p[i];
     mukca_body_turn(&turned, &b, frame.R);
-    if (!begin(&e, p, own ? inner.at : tag.at))
-        return mukca_fail(p->input->error, MUKCA_MEMORY, "out of memory");
+    MUKCA_TRY(begin(&e, p, own ? inner.at : tag.at));
     const char *rest = own ? end_of(&inner, "</inertial>") : open_tag(e.stream, &tag);
     write_inertial(e.stream, p, &turned);
     if (!own && tag.at[tag.length - 2] == '/') fprintf(e.stream, "</%s>", kind);
@@ -313,24 +293,19 @@ static mukca_status patch_link(patch *p, int joint)
 
 static mukca_status write_motion(FILE *stream, const mukca_export_input *input)
 {
-    patch *p = calloc(1, sizeof *p);
     mukca_export_input with = *input;
-    if (!p) return mukca_fail(input->error, MUKCA_MEMORY, "out of memory");
     if (!with.into) with.into = with.urdf_path;
-    p->input = &with;
-    mukca_status status = mukca_file_read(&p->text, with.into, input->error);
-    if (status == MUKCA_OK) {
-        p->urdf = !strstr(p->text, "<mujoco");
-        status = read_changes(p);
-    }
+    patch p = {.input = &with};
+    MUKCA_TRY(mukca_file_read(&p.text, with.into, input->error));
+    p.urdf = !strstr(p.text, "<mujoco");
+    mukca_status status = read_changes(&p);
     for (int j = 0; j < input->chain->n_joints && status == MUKCA_OK; j++) {
-        status = patch_joint(p, j);
-        if (status == MUKCA_OK && p->rigid[j]) status = patch_link(p, j);
+        status = patch_joint(&p, j);
+        if (status == MUKCA_OK && p.rigid[j]) status = patch_link(&p, j);
     }
-    if (status == MUKCA_OK) fputs(p->text, stream);
-    free(p->text);
-    free(p);
+    if (status == MUKCA_OK) fputs(p.text, stream);
+    free(p.text);
     return status;
 }
 
-const mukca_export_format mukca_export_motion = {.write = write_motion};
+const mukca_export_format mukca_export_motion = {.write = write_motion, .holds_all = true};

@@ -29,7 +29,4 @@ static mukca_status write_npy(FILE *stream, const mukca_export_input *input)
     return MUKCA_OK;
 }
 
-const mukca_export_format mukca_export_npy = {.write = write_npy,
-                                              .holds = mukca_export_holds_none,
-                                              .zeros_only = true,
-                                              .comment = {"#", "\n"}};
+const mukca_export_format mukca_export_npy = {.write = write_npy, .zeros_only = true};

@@ -33,6 +33,15 @@ static void print_escaped(FILE *stream, const char *text)
             fputc((unsigned char)*text < ' ' ? ' ' : *text, stream);
 }
 
+static void print_plain(FILE *stream, const char *text)
+{
+    for (; *text; text++)
+        if ((unsigned char)*text < ' ' || (text[0] == '*' && text[1] == '/'))
+            fputc(' ', stream);
+        else
+            fputc(text[0] == '-' && text[1] == '-' ? '_' : *text, stream);
+}
+
 static void print_number(FILE *stream, double value)
 {
     char text[MUKCA_NUMBER_SIZE];
@@ -44,6 +53,7 @@ void mukca_export_print(FILE *stream, const char *format, ...)
 {
     va_list args;
     const double *values;
+    const signed char *list;
     int n;
     va_start(args, format);
     for (const char *c = format; *c; c++) {
@@ -64,8 +74,16 @@ void mukca_export_print(FILE *stream, const char *format, ...)
             case 'x':
                 print_escaped(stream, va_arg(args, const char *));
                 break;
+            case 'p':
+                print_plain(stream, va_arg(args, const char *));
+                break;
             case 'n':
                 print_number(stream, va_arg(args, double));
+                break;
+            case 'l':
+                list = va_arg(args, const signed char *);
+                n = va_arg(args, int);
+                for (int i = 0; i < n; i++) fprintf(stream, i ? ", %d" : "%d", list[i]);
                 break;
             default:
                 values = va_arg(args, const double *);
@@ -79,49 +97,17 @@ void mukca_export_print(FILE *stream, const char *format, ...)
     va_end(args);
 }
 
-bool mukca_export_holds_none(const mukca_effect *effect)
-{
-    (void)effect;
-    return false;
-}
-
-/* Print a name inside a comment of C or XML, without characters that could end the comment. */
-static void print_plain(FILE *stream, const char *text)
-{
-    for (; *text; text++)
-        if ((unsigned char)*text < ' ' || (text[0] == '*' && text[1] == '/'))
-            fputc(' ', stream);
-        else
-            fputc(text[0] == '-' && text[1] == '-' ? '_' : *text, stream);
-}
-
 void mukca_export_provenance(FILE *stream, const char *prefix, const mukca_export_input *input)
 {
     char when[32];
     mukca_offsets_time(when);
-    fprintf(stream, "%sWritten by mukca " MUKCA_VERSION " on %s from ", prefix, when);
-    print_plain(stream, mukca_file_name(input->urdf_path));
-    if (input->offsets_path) {
-        fputs(" and ", stream);
-        print_plain(stream, mukca_file_name(input->offsets_path));
-    }
-    fprintf(stream, ".\n%sRobot ", prefix);
-    print_plain(stream, input->chain->robot);
-    fputs(", from link ", stream);
-    print_plain(stream, input->chain->base);
-    fputs(" to ", stream);
-    print_plain(stream, input->chain->tip);
-    fprintf(stream, ".\n%sSHA-256 of the URDF: %s\n", prefix, input->chain->urdf_sha256);
-}
-
-void mukca_export_verdict(FILE *stream, const mukca_exporter *exporter, const mukca_acceptance *a)
-{
-    const char *const xml[2] = {"<!--", "-->"};
-    const char *const *comment = exporter->format->comment[0] ? exporter->format->comment : xml;
-    if (!a->given || a->accepted || exporter->format->zeros_only) return;
-    fprintf(stream, "%s The offsets table was not accepted: ", comment[0]);
-    print_plain(stream, a->reason);
-    fprintf(stream, " %s\n", comment[1]);
+    mukca_export_print(stream, "$sWritten by mukca " MUKCA_VERSION " on $s from $p", prefix, when,
+                       mukca_file_name(input->urdf_path));
+    if (input->offsets_path)
+        mukca_export_print(stream, " and $p", mukca_file_name(input->offsets_path));
+    mukca_export_print(stream, ".\n$sRobot $p, from link $p to $p.\n$sSHA-256 of the URDF: $s\n",
+                       prefix, input->chain->robot, input->chain->base, input->chain->tip, prefix,
+                       input->chain->urdf_sha256);
 }
 
 void mukca_export_get_origin(mukca_export_origin *origin, const mukca_export_input *input,
@@ -134,11 +120,13 @@ void mukca_export_get_origin(mukca_export_origin *origin, const mukca_export_inp
     const mukca_element *nominal = &input->chain->element[element];
     const double *theta = input->offsets->theta + MUKCA_PARAMETERS * element;
     double R[9];
-    for (int i = 0; i < 3; i++) {
-        origin->xyz[i] =
-            fabs(theta[i] - nominal->xyz[i]) < smallest_offset ? nominal->xyz[i] : theta[i];
-        origin->rpy[i] =
-            fabs(theta[3 + i] - nominal->rpy[i]) < smallest_offset ? nominal->rpy[i] : theta[3 + i];
+    origin->moved = false;
+    memcpy(origin->xyz, nominal->xyz, sizeof origin->xyz);
+    memcpy(origin->rpy, nominal->rpy, sizeof origin->rpy);
+    for (int i = 0; i < MUKCA_PARAMETERS; i++) {
+        if (fabs(theta[i] - origin->theta[i]) < smallest_offset) continue;
+        origin->theta[i] = theta[i];
+        origin->moved = true;
     }
     mukca_rotation_from_rpy(R, origin->rpy);
     mukca_rotation_to_quaternion(origin->quaternion, R);
@@ -198,49 +186,63 @@ bool mukca_export_find_below(mukca_export_tag *tag, const mukca_export_tag *of, 
     return false;
 }
 
-bool mukca_export_find_attribute(size_t *start, size_t *stop, const mukca_export_tag *tag,
-                                 const char *name)
+const char *mukca_export_find_attribute(size_t *length, const mukca_export_tag *tag,
+                                        const char *name)
 {
-    const char *text = tag->at;
-    size_t at = strcspn(text, " \t\r\n/>");
-    while (at < tag->length) {
-        at += strspn(text + at, " \t\r\n");
-        size_t name_length = strcspn(text + at, " \t\r\n=/>");
-        if (name_length == 0) return false;
-        const bool match =
-            name_length == strlen(name) && strncmp(text + at, name, name_length) == 0;
-        const char *quote = text + at + name_length;
-        quote += strspn(quote, " \t\r\n=");
-        const char *end = *quote ? strchr(quote + 1, *quote) : NULL;
-        if (!end || end >= text + tag->length) return false;
-        *start = (size_t)(quote + 1 - text);
-        *stop = (size_t)(end - text);
-        if (match) return true;
-        at = (size_t)(end + 1 - text);
+    const char *stop = tag->at + tag->length;
+    for (const char *at = tag->at + strcspn(tag->at, " \t\r\n/>"), *end; at < stop; at = end + 1) {
+        at += strspn(at, " \t\r\n");
+        const size_t name_length = strcspn(at, " \t\r\n=/>");
+        const char *quote = at + name_length + strspn(at + name_length, " \t\r\n=");
+        end = name_length && *quote ? strchr(quote + 1, *quote) : NULL;
+        if (!end || end >= stop) return NULL;
+        *length = (size_t)(end - quote - 1);
+        if (name_length == strlen(name) && strncmp(at, name, name_length) == 0) return quote + 1;
     }
-    return false;
+    return NULL;
 }
 
 bool mukca_export_read_numbers(double *values, int n, const mukca_export_tag *tag, const char *name)
 {
     char words[256];
-    size_t start, stop;
-    if (!mukca_export_find_attribute(&start, &stop, tag, name)) return true;
-    snprintf(words, sizeof words, "%.*s", (int)(stop - start), tag->at + start);
-    return stop - start < sizeof words && mukca_number_parse_list(values, n, words);
+    size_t length;
+    const char *text = mukca_export_find_attribute(&length, tag, name);
+    if (!text) return true;
+    snprintf(words, sizeof words, "%.*s", (int)length, text);
+    return length < sizeof words && mukca_number_parse_list(values, n, words);
+}
+
+bool mukca_export_read_pose(mukca_frame *pose, const mukca_export_tag *tag)
+{
+    double quat[4] = {1, 0, 0, 0};
+    memset(pose, 0, sizeof *pose);
+    const bool ok = mukca_export_read_numbers(pose->p, 3, tag, "pos") &&
+                    mukca_export_read_numbers(quat, 4, tag, "quat");
+    mukca_rotation_from_quaternion(pose->R, quat);
+    return ok;
+}
+
+bool mukca_export_lacks_quat(const mukca_export_tag *tag)
+{
+    static const char *const others[] = {"euler", "axisangle", "xyaxes", "zaxis"};
+    bool found = false;
+    size_t length;
+    for (int i = 0; i < 4; i++)
+        found |= mukca_export_find_attribute(&length, tag, others[i]) != NULL;
+    return found;
 }
 
 int mukca_export_find_named(mukca_export_tag *found, const char *text, const char *kind,
                             const char *name, int depth)
 {
-    size_t start, stop;
+    size_t length;
     int n = 0;
     for (mukca_export_tag tag = {.at = text}; mukca_export_next_tag(&tag, kind);) {
-        if ((depth >= 0 && tag.depth != depth) ||
-            !mukca_export_find_attribute(&start, &stop, &tag, "name") ||
-            !mukca_export_same_name(name, tag.at + start, stop - start))
+        const char *other = mukca_export_find_attribute(&length, &tag, "name");
+        if ((depth >= 0 && tag.depth != depth) || !other ||
+            !mukca_export_same_name(name, other, length))
             continue;
-        const bool same = stop - start == strlen(name);
+        const bool same = length == strlen(name);
         if (same || !n++) *found = tag;
         if (same) return 1;
     }
@@ -250,27 +252,28 @@ int mukca_export_find_named(mukca_export_tag *found, const char *text, const cha
 void mukca_export_put_tag(FILE *stream, const mukca_export_tag *tag,
                           const mukca_export_attribute *set, int n)
 {
-    size_t at = 0, start, stop, end = tag->length - (tag->at[tag->length - 2] == '/' ? 2 : 1);
-    while (strchr(" \t\r\n", tag->at[end - 1])) end--;
+    const char *at = tag->at, *stop = tag->at + tag->length;
+    const char *end = stop - (stop[-2] == '/' ? 2 : 1);
+    size_t length;
+    while (strchr(" \t\r\n", end[-1])) end--;
     while (at < end) {
         const mukca_export_attribute *next = NULL; /* the first behind `at` */
-        size_t first = end, last = end;
+        const char *first = end, *behind = end;
         for (int k = 0; k < n; k++) {
-            if (!set[k].values || !mukca_export_find_attribute(&start, &stop, tag, set[k].name) ||
-                start <= at || start >= first)
-                continue;
-            first = start;
-            last = stop;
+            const char *value = mukca_export_find_attribute(&length, tag, set[k].name);
+            if (!set[k].values || !value || value <= at || value >= first) continue;
+            first = value;
+            behind = value + length;
             next = &set[k];
         }
-        fwrite(tag->at + at, 1, first - at, stream);
+        fwrite(at, 1, (size_t)(first - at), stream);
         if (next) mukca_export_print(stream, "$b", next->values, next->n);
-        at = last;
+        at = behind;
     }
     for (int k = 0; k < n; k++)
-        if (set[k].values && !mukca_export_find_attribute(&start, &stop, tag, set[k].name))
+        if (set[k].values && !mukca_export_find_attribute(&length, tag, set[k].name))
             mukca_export_print(stream, " $s=\"$b\"", set[k].name, set[k].values, set[k].n);
-    fwrite(tag->at + end, 1, tag->length - end, stream);
+    fwrite(end, 1, (size_t)(stop - end), stream);
 }
 
 bool mukca_export_same_name(const char *name, const char *other, size_t length)

@@ -16,14 +16,6 @@ static bool are_same(const double a[3], const double b[3])
     return same == 3;
 }
 
-/* Get the origin of an element; false: identical to the URDF's. */
-static bool get_changed(mukca_export_origin *origin, const mukca_export_input *input, int element)
-{
-    const mukca_element *nominal = &input->chain->element[element];
-    mukca_export_get_origin(origin, input, element);
-    return !are_same(origin->xyz, nominal->xyz) || !are_same(origin->rpy, nominal->rpy);
-}
-
 /* The element of a joint of the file; in a user's own, with another prefix.  -1: none. */
 static int find_element(const mukca_export_input *input, const mukca_urdf_text *urdf,
                         const char *joint)
@@ -53,10 +45,11 @@ static mukca_status check_into(const mukca_urdf_text *urdf, const mukca_export_i
             near = mukca_export_near(&joint, &nominal);
             n++;
         }
+        mukca_export_get_origin(&origin, input, k);
         const bool tool = e->joint < 0 && k + 1 == input->chain->n_elements;
         if (n == 0 && tool)
             mukca_note_format(input->notes, "no joint '%.60s': its offsets are left out", e->name);
-        else if (n > 1 || !near || (n == 0 && (e->joint >= 0 || get_changed(&origin, input, k))))
+        else if (n > 1 || !near || (n == 0 && (e->joint >= 0 || origin.moved)))
             return mukca_fail(input->error, MUKCA_INPUT, "%s: joint '%s' is %s",
                               mukca_file_shown(input->into), e->name,
                               n > 1   ? "there more than once, with other prefixes"
@@ -99,7 +92,9 @@ static bool write_joints(FILE *stream, const mukca_urdf_text *urdf, const mukca_
         if (n == urdf->n_joints) return false;
         const mukca_urdf_joint *joint = &urdf->joints[n++];
         const int k = find_element(input, urdf, joint->name);
-        if (k < 0 || !get_changed(&origin, input, k)) continue;
+        if (k < 0) continue;
+        mukca_export_get_origin(&origin, input, k);
+        if (!origin.moved) continue;
         at = write_joint(stream, at, &tag, &origin, joint->xyz, joint->rpy);
     }
     fputs(at, stream);
@@ -110,8 +105,8 @@ static mukca_status write_urdf(FILE *stream, const mukca_export_input *input)
 {
     mukca_urdf_text urdf;
     const char *path = input->into ? input->into : input->urdf_path;
-    mukca_status status = mukca_urdf_text_read(&urdf, path, input->error);
-    if (status != MUKCA_OK) return status;
+    mukca_status status = MUKCA_OK;
+    MUKCA_TRY(mukca_urdf_text_read(&urdf, path, input->error));
     if (input->into)
         status = check_into(&urdf, input);
     else if (strcmp(urdf.sha256, input->chain->urdf_sha256) != 0)
@@ -126,5 +121,4 @@ static mukca_status write_urdf(FILE *stream, const mukca_export_input *input)
     return status;
 }
 
-const mukca_export_format mukca_export_urdf = {.write = write_urdf,
-                                               .holds = mukca_export_holds_none};
+const mukca_export_format mukca_export_urdf = {.write = write_urdf};

@@ -46,4 +46,5 @@ static mukca_status write_yaml(FILE *stream, const mukca_export_input *input)
     return MUKCA_OK;
 }
 
-const mukca_export_format mukca_export_yaml = {.write = write_yaml, .comment = {"#", "\n"}};
+const mukca_export_format mukca_export_yaml = {
+    .write = write_yaml, .holds_all = true, .comment = {"#", "\n"}};

@@ -155,8 +155,7 @@ mukca_status mukca_kinematics_read(mukca_kinematics *kinematics, const char *pat
     char *text;
     reader r = {.to = kinematics, .name = mukca_file_shown(path), .error = error};
     *kinematics = (mukca_kinematics){0};
-    mukca_status status = mukca_file_read(&text, path, error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(mukca_file_read(&text, path, error));
     const size_t size = strlen(text);
     if (size > LARGEST_FILE)
         r.status = mukca_fail(error, MUKCA_INPUT, "%s: is larger than a file of origins", r.name);

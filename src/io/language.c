@@ -95,9 +95,8 @@ static size_t read_number(double *value, const char *line, size_t at)
     char text[64];
     const size_t length = strspn(line + at, "+-0123456789.eE");
     if (length == 0 || length >= sizeof text) return 0;
-    const bool plus = line[at] == '+';
-    memcpy(text, line + at + plus, length - plus);
-    text[length - plus] = '\0';
+    memcpy(text, line + at, length);
+    text[length] = '\0';
     return mukca_number_parse(value, text) ? at + length : 0;
 }
 

@@ -41,26 +41,30 @@ static mukca_status fail_exists(mukca_error *error, const char *path)
     return mukca_fail(error, MUKCA_INPUT, "%s: exists already; --force overwrites it", path);
 }
 
+/* Close the stream and remove the temporary file; harmless on a closed output. */
+static void give_up(mukca_output *output)
+{
+    if (output->stream && output->stream != stdout) fclose(output->stream);
+    if (output->stream && output->temporary[0]) unlink(output->temporary);
+    output->stream = NULL;
+}
+
 /* Set the output's path and temporary name. */
 static mukca_status resolve(mukca_output *output, const char *path, bool force, mukca_error *error)
 {
     struct stat info;
     char whole[PATH_MAX];
-    memset(output, 0, sizeof *output);
     bool exists = stat(path, &info) == 0;
     if (exists && S_ISDIR(info.st_mode))
         return mukca_fail(error, MUKCA_INPUT, "%s: is a folder; give the name of a file", path);
     const char *target = exists && realpath(path, whole) ? whole : path;
-    int written = snprintf(output->path, sizeof output->path, "%s", target);
-    if (written < 0 || (size_t)written >= sizeof output->path)
+    if (snprintf(output->path, sizeof output->path, "%s", target) >= (int)sizeof output->path)
         return mukca_fail(error, MUKCA_INPUT, "%.60s...: the file's name is too long", path);
     if (exists && !S_ISREG(info.st_mode)) return MUKCA_OK;
     if (exists && !force) return fail_exists(error, path);
-    int folder = folder_length(output->path);
-    written = snprintf(output->temporary, sizeof output->temporary, "%.*s.%.80s.%ld.tmp", folder,
-                       output->path, output->path + folder, (long)getpid());
-    if (written < 0 || (size_t)written >= sizeof output->temporary)
-        return mukca_fail(error, MUKCA_INPUT, "%.60s...: the file's name is too long", path);
+    int folder = folder_length(output->path); /* the rest adds at most 26 characters to the path */
+    snprintf(output->temporary, sizeof output->temporary, "%.*s.%.80s.%ld.tmp", folder,
+             output->path, output->path + folder, (long)getpid());
     return MUKCA_OK;
 }
 
@@ -97,7 +101,7 @@ mukca_status mukca_output_check(const char *path, bool force, mukca_error *error
     if (stat(path, &info) == 0 && S_ISFIFO(info.st_mode)) /* closing a FIFO would end its reader */
         return access(path, W_OK) == 0 ? MUKCA_OK : fail_errno(error, MUKCA_INPUT, path);
     mukca_status status = mukca_output_open(&output, path, force, error);
-    mukca_output_abort(&output);
+    give_up(&output);
     return status;
 }
 
@@ -172,7 +176,7 @@ mukca_status mukca_output_close(mukca_output *output, mukca_error *error)
         /* detect a file created meanwhile by another process; some file systems have no links */
         const bool linked = !output->force && link(output->temporary, output->path) == 0;
         if (!linked && !output->force && access(output->path, F_OK) == 0) {
-            mukca_output_abort(output);
+            give_up(output);
             return fail_exists(error, output->path);
         }
         good =
@@ -182,22 +186,15 @@ mukca_status mukca_output_close(mukca_output *output, mukca_error *error)
         reason = errno;
         if (linked && !good) unlink(output->path);
     }
-    mukca_output_abort(output);
+    give_up(output);
     if (good) return MUKCA_OK;
     errno = reason;
     return fail_errno(error, MUKCA_MEMORY, output->path);
 }
 
-void mukca_output_abort(mukca_output *output)
-{
-    if (output->stream && output->stream != stdout) fclose(output->stream);
-    if (output->stream && output->temporary[0]) unlink(output->temporary);
-    output->stream = NULL;
-}
-
 mukca_status mukca_output_finish(mukca_output *output, mukca_status status, mukca_error *error)
 {
     if (status == MUKCA_OK && output->stream) return mukca_output_close(output, error);
-    mukca_output_abort(output);
+    give_up(output);
     return status;
 }

@@ -47,10 +47,8 @@ bool mukca_output_sync_folder(const char *path);
  * program killed while it starts a job leaves the lock to the child until the child's exec. */
 bool mukca_output_lock(int file);
 
-/* Remove the temporary file; harmless on a zeroed or closed output. */
-void mukca_output_abort(mukca_output *output);
-
-/* Close an open output if `status` is MUKCA_OK, else abort it; returns the first error. */
+/* Close an open output if `status` is MUKCA_OK, else remove its temporary file; returns the first
+ * error.  Harmless on a zeroed or closed output. */
 mukca_status mukca_output_finish(mukca_output *output, mukca_status status, mukca_error *error);
 
 #endif

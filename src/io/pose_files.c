@@ -19,10 +19,8 @@ typedef struct {
     double length; /* m per unit of the positions */
 } list;
 
-static void read_row(void *context, mukca_table *t, const int *column)
+static void read_row(list *l, mukca_table *t)
 {
-    list *l = context;
-    (void)column;
     if (t->n_columns != POSE) {
         mukca_table_fail(t, -1, "%d columns, but a pose has 7: x,y,z,qw,qx,qy,qz", t->n_columns);
         return;
@@ -64,22 +62,17 @@ static void offset(double lever[3], const pairing *p, int few, int many)
     mukca_mat3_tvec(lever, tip->R, d);
 }
 
-static double mismatch(const pairing *p, int few, int many)
-{
-    double d[3];
-    offset(d, p, few, many);
-    return mukca_distance3(d, p->lever);
-}
-
-/* Pair in order with the least sum of mismatches: partner[i] increases with i.  Dynamic
- * programming, as in sequence alignment. */
+/* Pair in order with the least sum of distances from the lever: partner[i] increases with i.
+ * Dynamic programming, as in sequence alignment. */
 static void pair_in_order(pairing *p)
 {
     const int spare = p->many - p->few, width = spare + 1;
     for (int i = 1; i <= p->few; i++) {
         double *row = p->cost + i * width;
         for (int k = 0; k < width; k++) {
-            const double take = row[k - width] + mismatch(p, i - 1, i - 1 + k);
+            double point[3];
+            offset(point, p, i - 1, i - 1 + k);
+            const double take = row[k - width] + mukca_distance3(point, p->lever);
             const bool better = k > 0 && row[k - 1] < take;
             row[k] = better ? row[k - 1] : take;
             p->skip[i * width + k] = better;
@@ -108,6 +101,7 @@ static mukca_status pair(pairing *p, mukca_pool *pool, const char *path, mukca_e
 {
     enum { ROUNDS = 4 }; /* pairs and lever converge within two or three */
     const size_t size = (size_t)(p->few + 1) * (size_t)(p->many - p->few + 1);
+    if (!p->pose) return MUKCA_OK; /* nothing to pair */
     if (size > MOST_PAIRS)
         return mukca_fail(error, MUKCA_INPUT, "%s: %d poses and rows are too many to pair",
                           mukca_file_shown(path), p->few + p->many);
@@ -140,17 +134,16 @@ mukca_status mukca_pose_file_read(mukca_dataset_builder *b, const char *path, in
 {
     list l = {.length = b->options->format.length > 0 ? b->options->format.length : 1};
     mukca_pool pool = {0};
+    mukca_table table;
     mukca_geometry geometry;
-    mukca_status status = mukca_table_read(path, NULL, 0, read_row, &l, b->error);
+    mukca_table_open(&table, path, MUKCA_NO_HEADER, b->error);
+    while (mukca_table_next(&table)) read_row(&l, &table);
+    mukca_status status = mukca_table_close(&table);
     if (status != MUKCA_OK) goto out;
     mukca_frame *tip = MUKCA_TAKE(&pool, mukca_frame, n + 1);
     int *partner = MUKCA_TAKE(&pool, int, n + 1);
-    if (!tip || !partner) {
-        status = mukca_fail(b->error, MUKCA_MEMORY, "out of memory");
-        goto out;
-    }
     mukca_geometry_set(&geometry, b->chain, NULL);
-    for (int i = 0; i < n; i++)
+    for (int i = 0; i < n && tip; i++)
         mukca_fk_pose(&tip[i], &geometry,
                       b->data->q + (size_t)(first + i) * (size_t)b->data->n_joints, NULL);
     pairing p = {.tip = tip,

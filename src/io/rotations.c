@@ -269,6 +269,7 @@ static void name_form(mukca_table *table, const mukca_rotation_samples *o, const
                       double turn)
 {
     const bool inverse = o->inverse;
+    const char *unit = h->factor < 1 ? "degrees" : "radians";
     char as[24], converted[24], text[160];
     describe(as, h->form.as);
     describe(converted, h->form.converted);
@@ -285,16 +286,13 @@ static void name_form(mukca_table *table, const mukca_rotation_samples *o, const
         snprintf(text, sizeof text,
                  "they fit if angles that are %s were converted as %s: --rotation %s=%s", as,
                  converted, h->form.converted, h->form.as);
+    else if (h->factor != 1)
+        snprintf(text, sizeof text,
+                 "the angles fit as %s in %s: --rotation %s, and the unit after the columns' "
+                 "names, as in 'rx [%.3s]'",
+                 as, unit, h->form.as, unit);
     else
-        snprintf(text, sizeof text, "the angles fit as %s%s: --rotation %s%s%s", as,
-                 h->factor < 1   ? " in degrees"
-                 : h->factor > 1 ? " in radians"
-                                 : "",
-                 h->form.as,
-                 h->factor != 1 ? ", and the unit after the columns' names, as in " : "",
-                 h->factor < 1   ? "'rx [deg]'"
-                 : h->factor > 1 ? "'rx [rad]'"
-                                 : "");
+        snprintf(text, sizeof text, "the angles fit as %s: --rotation %s", as, h->form.as);
     mukca_table_fail(table, o->column, "the orientations contradict the positions by %.0f mrad; %s",
                      1e3 * turn, text);
 }

@@ -2,7 +2,6 @@
 #include "io/rows.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/file.h"
@@ -38,8 +37,6 @@ mukca_status mukca_rows_close(mukca_rows *rows)
                           "%s:%d: the last line has no line end; if the file was cut, its last "
                           "number is wrong",
                           mukca_file_shown(rows->table.path), rows->table.line);
-    free(rows->rotations);
-    rows->rotations = NULL;
     return mukca_table_close(&rows->table);
 }
 
@@ -136,9 +133,7 @@ static void read_matrix(mukca_row *row, mukca_rows *rows, const mukca_measured_c
     }
     for (int i = 0; i < 9; i++) { /* the inverse of a rotation is its transpose */
         const int a = i / 3, b = i % 3;
-        const double product =
-            R[3 * a] * R[3 * b] + R[3 * a + 1] * R[3 * b + 1] + R[3 * a + 2] * R[3 * b + 2];
-        if (!(fabs(product - (a == b)) <= length_tolerance))
+        if (!(fabs(mukca_dot3(R + 3 * a, R + 3 * b) - (a == b)) <= length_tolerance))
             mukca_table_fail(
                 t, m->matrix[0],
                 "the matrix contains no rotation; its numbers must be in row-major order");
@@ -187,7 +182,7 @@ static void keep_rotation(mukca_rows *rows, const mukca_row *row, const double r
     const double *x = row->position, *q = row->quaternion;
     if (rows->options.unchecked || rows->table.status != MUKCA_OK) return;
     if (!rows->rotations) {
-        rows->rotations = calloc(1, sizeof *rows->rotations);
+        rows->rotations = MUKCA_TAKE(&rows->table.pool, mukca_rotation_samples, 1);
         if (!rows->rotations) {
             mukca_table_stop(&rows->table,
                              mukca_fail(rows->table.error, MUKCA_MEMORY, "out of memory"));
@@ -276,10 +271,7 @@ bool mukca_rows_next(mukca_rows *rows, mukca_row *row)
     row->socket = c->socket < 0 ? NULL : t->cell[c->socket];
     row->target = c->target < 0 || !*t->cell[c->target] ? NULL : t->cell[c->target];
     for (int k = 0; k < MUKCA_COLUMNS; k++)
-        if (mukca_column_table[k].width < 2)
-            read_numbers(row, rows, k);
-        else /* of poses: below */
-            for (int i = 0; i < mukca_column_table[k].width; i++) row->number[k][i] = (double)NAN;
+        if (mukca_column_table[k].width < 2) read_numbers(row, rows, k); /* others are of poses */
     read_pose(row, rows, 0);
     return t->status == MUKCA_OK;
 }

@@ -147,25 +147,18 @@ mukca_status mukca_run_read(mukca_run *run, mukca_pool *pool, const char *path,
                             const mukca_chain *chain, const mukca_run_options *o,
                             mukca_error *error)
 {
-    reader *r = MUKCA_TAKE(pool, reader, 1);
-    if (!r) return mukca_fail(error, MUKCA_MEMORY, "out of memory for %s", mukca_file_shown(path));
-    r->options = o;
+    reader r = {.options = o};
     const mukca_rows_options options = {
         .kind = MUKCA_HEADER, .format = o->format, .currents = true, .notes = o->notes};
-    mukca_status status = mukca_rows_open(&r->rows, path, chain, &options, error);
     snprintf(run->name, sizeof run->name, "%.60s", mukca_file_name(path));
-    if (status == MUKCA_OK) {
-        check_columns(r);
-        run->current = r->current;
-        read_rows(r);
-        if (r->rows.table.status == MUKCA_OK)
-            status = mukca_run_rows_take(run, pool, &r->samples, chain, o);
-        const mukca_status closed = mukca_rows_close(&r->rows);
-        if (closed != MUKCA_OK)
-            status = closed;
-        else if (status != MUKCA_OK)
-            status = mukca_fail(error, status, "out of memory for %s", mukca_file_shown(path));
-    }
-    free(r->samples.sample);
-    return status;
+    MUKCA_TRY(mukca_rows_open(&r.rows, path, chain, &options, error));
+    check_columns(&r);
+    run->current = r.current;
+    read_rows(&r);
+    if (r.rows.table.status == MUKCA_OK &&
+        mukca_run_rows_take(run, pool, &r.samples, chain, o) != MUKCA_OK)
+        mukca_table_stop(&r.rows.table, mukca_fail(error, MUKCA_MEMORY, "out of memory for %s",
+                                                   mukca_file_shown(path)));
+    free(r.samples.sample);
+    return mukca_rows_close(&r.rows);
 }

@@ -141,10 +141,9 @@ mukca_status mukca_session_delete(mukca_session *session, const char *placement,
     if (session->n_rows < 1)
         return mukca_fail(error, MUKCA_INPUT, "%s: no row to delete", session->path);
     const int64_t at = session->row_at[session->n_rows - 1];
-    mukca_status status = check_path(session, error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(check_path(session, error));
     if (pwrite(session->fd, "#", 1, at) != 1 || fsync(session->fd)) {
-        status = fail_write(session, "not deleted", error);
+        const mukca_status status = fail_write(session, "not deleted", error);
         (void)!pwrite(session->fd, placement, 1, at); /* the first byte of the row */
         return status;
     }

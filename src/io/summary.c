@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/file.h"
 #include "base/text.h"
 
 #define SCHEMA "mukca.summary/1"
@@ -200,8 +201,7 @@ mukca_status mukca_summary_read(mukca_fleet *fleet, const char *path, mukca_erro
     size_t size = 0;
     ssize_t length = 0;
     int number = 1;
-    if (!stream)
-        status = mukca_fail(error, MUKCA_INPUT, "%s: cannot read: %s", path, strerror(errno));
+    if (!stream) status = mukca_file_fail(error, path);
     for (; s && stream && status == MUKCA_OK; number++) {
         errno = 0;
         if ((length = getline(&line, &size, stream)) < 0) break;

@@ -17,18 +17,20 @@ enum { COMMENTS = 4096, READ_TOGETHER = 1 << 16 };
 
 void mukca_table_fail(mukca_table *t, int column, const char *format, ...)
 {
-    char text[256], where[80] = "";
+    char text[256], where[96] = "";
+    mukca_text place = MUKCA_TEXT(where);
     va_list args;
     if (t->status != MUKCA_OK) return;
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
+    if (column != MUKCA_WHOLE_TABLE) mukca_text_put(&place, "%d:", t->line);
     if (column >= 0 && t->header)
-        snprintf(where, sizeof where, " column '%.40s':", t->header[column]);
+        mukca_text_put(&place, " column '%.40s':", t->header[column]);
     else if (column >= 0)
-        snprintf(where, sizeof where, " column %d:", column + 1);
-    t->status = mukca_fail(t->error, MUKCA_INPUT, "%s:%d:%s %s", mukca_file_shown(t->path), t->line,
-                           where, text);
+        mukca_text_put(&place, " column %d:", column + 1);
+    t->status =
+        mukca_fail(t->error, MUKCA_INPUT, "%s:%s %s", mukca_file_shown(t->path), where, text);
 }
 
 void mukca_table_stop(mukca_table *t, mukca_status status)
@@ -36,9 +38,10 @@ void mukca_table_stop(mukca_table *t, mukca_status status)
     if (t->status == MUKCA_OK) t->status = status;
 }
 
-/* The memory, unless it is NULL: a failure. */
-static void *check(mukca_table *t, void *memory)
+/* Zeroed memory; NULL is a failure. */
+static void *take(mukca_table *t, size_t count, size_t size)
 {
+    void *memory = mukca_pool_take(&t->pool, count, size);
     if (!memory && t->status == MUKCA_OK)
         t->status = mukca_fail(t->error, MUKCA_MEMORY, "out of memory while reading a table");
     return memory;
@@ -74,8 +77,8 @@ static bool read_content(mukca_table *t)
         const char *text = t->buffer + strspn(t->buffer, " \t\r");
         if (*text && *text != '#') return true;
         mukca_text comments = {.at = t->comments, .size = COMMENTS, .used = strlen(t->comments)};
-        if (*text && !t->cell && comments.used + strlen(t->buffer) + 2 <= comments.size)
-            mukca_text_put(&comments, "%s\n", t->buffer);
+        const bool fits = comments.used + strlen(t->buffer) + 2 <= comments.size;
+        if (!t->cell) mukca_text_put(&comments, "%s\n", fits ? t->buffer : "");
     }
     return false;
 }
@@ -117,7 +120,7 @@ static void set_shape(mukca_table *t)
     if (t->n_columns > MUKCA_TABLE_COLUMNS)
         mukca_table_fail(t, -1, "%d columns; at most %d are read", t->n_columns,
                          (int)MUKCA_TABLE_COLUMNS);
-    if (t->status == MUKCA_OK) t->cell = check(t, calloc((size_t)t->n_columns, sizeof *t->cell));
+    if (t->status == MUKCA_OK) t->cell = take(t, (size_t)t->n_columns, sizeof *t->cell);
 }
 
 void mukca_table_check_names(mukca_table *t)
@@ -130,21 +133,19 @@ void mukca_table_check_names(mukca_table *t)
 
 static void read_header(mukca_table *t, mukca_table_kind kind)
 {
-    if (!read_content(t)) {
-        if (t->status == MUKCA_OK)
-            t->status =
-                mukca_fail(t->error, MUKCA_INPUT, "%s: is empty; expected a header and rows",
-                           mukca_file_shown(t->path));
-        return;
-    }
+    if (!read_content(t))
+        mukca_table_fail(t, MUKCA_WHOLE_TABLE, "is empty; expected a header and rows");
+    if (t->status != MUKCA_OK) return;
     set_shape(t);
     if (t->status != MUKCA_OK) return;
-    t->header = check(t, calloc((size_t)t->n_columns, sizeof *t->header));
-    t->header_buffer = check(t, strdup(t->buffer));
-    t->unit = check(t, calloc((size_t)t->n_columns, sizeof *t->unit));
-    t->used = check(t, calloc((size_t)t->n_columns, sizeof *t->used));
+    const size_t width = (size_t)t->n_columns, length = strlen(t->buffer) + 1;
+    t->header = take(t, width, sizeof *t->header);
+    t->unit = take(t, width, sizeof *t->unit);
+    t->used = take(t, width, sizeof *t->used);
+    char *names = take(t, length, 1);
     if (t->status != MUKCA_OK) return;
-    mukca_cells_split(t->header, t->n_columns, t->header_buffer, t->delimiter);
+    memcpy(names, t->buffer, length);
+    mukca_cells_split(t->header, t->n_columns, names, t->delimiter);
     int numbers = 0;
     for (int i = 0; i < t->n_columns; i++) {
         double value;
@@ -155,7 +156,6 @@ static void read_header(mukca_table *t, mukca_table_kind kind)
     if (numbers < t->n_columns) return;
     if (kind == MUKCA_HEADER)
         mukca_table_fail(t, -1, "starts with numbers; the first line must name the columns");
-    free(t->header);
     t->header = NULL;
     t->pending = true;
 }
@@ -262,8 +262,8 @@ mukca_status mukca_table_open(mukca_table *t, const char *path, mukca_table_kind
         t->status = mukca_fail(error, MUKCA_INPUT, "%.60s...: the file name is too long", path);
     }
     if (t->status == MUKCA_OK && !standard) setvbuf(t->stream, NULL, _IOFBF, READ_TOGETHER);
-    if (t->status == MUKCA_OK) t->buffer = check(t, malloc(MUKCA_TABLE_LINE));
-    if (t->status == MUKCA_OK) t->comments = check(t, calloc(COMMENTS, 1));
+    if (t->status == MUKCA_OK) t->buffer = take(t, MUKCA_TABLE_LINE, 1);
+    if (t->status == MUKCA_OK) t->comments = take(t, COMMENTS, 1);
     if (t->status == MUKCA_OK && is_array(t->stream))
         t->status = read_array(&t->stream, t->path, error);
     if (t->status == MUKCA_OK && kind != MUKCA_NO_HEADER) read_header(t, kind);
@@ -293,14 +293,8 @@ mukca_status mukca_table_close(mukca_table *t)
     const mukca_status status = t->status;
     if (t->source) t->source->close(t);
     if (t->stream && t->stream != stdin) fclose(t->stream);
-    free(t->header);
-    free(t->header_buffer);
-    free(t->unit);
-    free(t->used);
     free(t->names);
-    free(t->comments);
-    free(t->cell);
-    free(t->buffer);
+    mukca_pool_free(&t->pool);
     *t = (mukca_table){.status = status, .line = t->line, .row = t->row};
     return status;
 }
@@ -363,15 +357,4 @@ int mukca_table_list(mukca_text *list, const mukca_table *table, bool unused)
     }
     if (more) mukca_text_put(list, "%s...", list->used ? ", " : "");
     return n;
-}
-
-mukca_status mukca_table_read(const char *path, const char *const *names, int n,
-                              mukca_table_row_fn *read, void *context, mukca_error *error)
-{
-    mukca_table table;
-    int column[MUKCA_TABLE_NAMED] = {0};
-    mukca_table_open(&table, path, names ? MUKCA_HEADER : MUKCA_NO_HEADER, error);
-    for (int i = 0; names && i < n; i++) column[i] = mukca_table_require(&table, names[i]);
-    while (mukca_table_next(&table)) read(context, &table, column);
-    return mukca_table_close(&table);
 }

@@ -14,12 +14,13 @@
 #include <stdio.h>
 
 #include "base/cells.h"
+#include "base/pool.h"
 #include "base/text.h"
 
 enum {
     MUKCA_TABLE_LINE = 1 << 20, /* bytes: a longer line is of another kind of file */
     MUKCA_TABLE_COLUMNS = 4096, /* largest width; a session of 16 joints has about 90 */
-    MUKCA_TABLE_NAMED = 8       /* columns that mukca_table_read can require */
+    MUKCA_WHOLE_TABLE = -2      /* what mukca_table_fail refuses */
 };
 
 typedef enum { MUKCA_HEADER, MUKCA_NO_HEADER, MUKCA_EITHER } mukca_table_kind;
@@ -42,13 +43,14 @@ struct mukca_table {
     char delimiter;
     bool cut_off;     /* the file does not end in a newline */
     bool pending;     /* the first row was read by mukca_table_open */
+    mukca_pool pool;  /* of all memory below but `names` */
     char **header;    /* [n_columns], or NULL */
     char **cell;      /* [n_columns] of the current row */
     mukca_unit *unit; /* [n_columns] stated in the header; or NULL */
     bool *used;       /* [n_columns], columns asked for by mukca_table_use; or NULL */
-    char *buffer, *header_buffer;
-    char *names;                /* of --columns */
-    char *comments;             /* `#` lines before the header, as many as fit */
+    char *buffer;     /* of a line */
+    char *names;      /* of --columns */
+    char *comments;   /* lines before the header; without text, but counted, if they do not fit */
     mukca_table_source *source; /* NULL: the stream */
     const double *value;        /* [n_columns] cells as numbers, SI; NaN: not parsed; or NULL */
 };
@@ -84,8 +86,9 @@ bool mukca_table_has_unit(const mukca_table *table, int column);
 bool mukca_table_parse(double *value, const mukca_table *table, int column);
 double mukca_table_number(mukca_table *table, int column);
 
-/* Fail with "file:line: column 'name': ..." and status MUKCA_INPUT; column -1: none.  And with
- * another status, whose message is in table->error already (MUKCA_OK: no failure). */
+/* Fail with "file:line: column 'name': ..." and status MUKCA_INPUT; column -1: none;
+ * MUKCA_WHOLE_TABLE: without a line, too.  And with another status, whose message is in
+ * table->error already (MUKCA_OK: no failure). */
 void mukca_table_fail(mukca_table *table, int column, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 void mukca_table_stop(mukca_table *table, mukca_status status);
@@ -93,14 +96,6 @@ void mukca_table_stop(mukca_table *table, mukca_status status);
 /* Append the names of all columns, or of those not used, with dots for those that do not fit;
  * returns their number. */
 int mukca_table_list(mukca_text *list, const mukca_table *table, bool unused);
-
-/* Callback for one row; column[i] is the index of the i-th required column. */
-typedef void mukca_table_row_fn(void *context, mukca_table *table, const int *column);
-
-/* Read the whole table `path`.  Its header must have the columns names[n] (at most
- * MUKCA_TABLE_NAMED; names NULL: a table without header). */
-mukca_status mukca_table_read(const char *path, const char *const *names, int n,
-                              mukca_table_row_fn *read, void *context, mukca_error *error);
 
 /* ---- names of columns (rows_header.c, columns.c) ---- */
 

@@ -1,7 +1,8 @@
 /* Rows of a large table read ahead, and their numbers parsed, by a thread of its own. */
 #include <math.h>
 #include <pthread.h>
-#include <stdlib.h>
+#include <semaphore.h>
+#include <stdatomic.h>
 #include <string.h>
 #include <sys/stat.h>
 
@@ -15,20 +16,18 @@ typedef struct {
     char *text;    /* [TEXT + MUKCA_TABLE_LINE] */
     char **cell;   /* [rows][n_columns] in the text */
     double *value; /* the same as numbers, SI; NaN: none, or not used */
-    bool full, last;
+    bool last;
 } block;
 
 typedef struct {
     mukca_table_source source; /* first: the caller's table has its address */
     pthread_t thread;
-    pthread_mutex_t lock; /* of full and stop */
-    pthread_cond_t change;
+    sem_t empty, full; /* blocks to be filled, and to be read */
     mukca_table table; /* of the thread; at the end of its last block, that of the whole */
     mukca_error error;
-    char **cell; /* the caller's */
     block block[BLOCKS];
-    int rows, now, row; /* rows of a block; the caller's block, its next row */
-    bool stop;
+    int rows, now, row; /* rows of a block; the caller's block (-1: none yet), its next row */
+    atomic_bool stop;
 } read_ahead;
 
 static void fill(block *b, mukca_table *t, int rows)
@@ -47,64 +46,37 @@ static void fill(block *b, mukca_table *t, int rows)
     }
 }
 
-/* Wait until a block is full, or empty; false: the caller has closed the table. */
-static bool await(read_ahead *a, const block *b, bool full)
+/* Wait for a block, also where a signal interrupts. */
+static void await(sem_t *blocks)
 {
-    pthread_mutex_lock(&a->lock);
-    while (b->full != full && !a->stop) pthread_cond_wait(&a->change, &a->lock);
-    const bool stop = a->stop;
-    pthread_mutex_unlock(&a->lock);
-    return !stop;
-}
-
-static void mark(read_ahead *a, block *b, bool full)
-{
-    pthread_mutex_lock(&a->lock);
-    if (b)
-        b->full = full;
-    else
-        a->stop = true;
-    pthread_cond_broadcast(&a->change);
-    pthread_mutex_unlock(&a->lock);
+    while (sem_wait(blocks) != 0) continue;
 }
 
 static void *run(void *ahead)
 {
     read_ahead *a = ahead;
     bool last = false;
-    for (int k = 0; !last && await(a, &a->block[k], false); k = (k + 1) % BLOCKS) {
+    for (int k = 0; !last; k = (k + 1) % BLOCKS) {
+        await(&a->empty);
+        if (a->stop) break;
         fill(&a->block[k], &a->table, a->rows);
         last = a->block[k].last;
-        mark(a, &a->block[k], true);
+        sem_post(&a->full);
     }
     return NULL;
-}
-
-static void release(read_ahead *a)
-{
-    for (int k = 0; k < BLOCKS; k++) {
-        free(a->block[k].line);
-        free(a->block[k].text);
-        free(a->block[k].cell);
-        free(a->block[k].value);
-    }
-    pthread_cond_destroy(&a->change);
-    pthread_mutex_destroy(&a->lock);
-    free(a);
 }
 
 static bool next(mukca_table *t)
 {
     read_ahead *a = (read_ahead *)t->source;
-    block *b = &a->block[a->now];
+    const block *b = a->now < 0 ? NULL : &a->block[a->now];
     if (t->status != MUKCA_OK) return false;
-    if (a->row == 0) await(a, b, true);
-    if (a->row == b->n && !b->last) {
-        mark(a, b, false);
+    if (!b || (a->row == b->n && !b->last)) {
+        if (b) sem_post(&a->empty);
         a->row = 0;
         a->now = (a->now + 1) % BLOCKS;
         b = &a->block[a->now];
-        await(a, b, true);
+        await(&a->full);
     }
     if (a->row == b->n) { /* the end */
         if (a->table.status != MUKCA_OK) *t->error = a->error;
@@ -124,10 +96,11 @@ static bool next(mukca_table *t)
 static void close_ahead(mukca_table *t)
 {
     read_ahead *a = (read_ahead *)t->source;
-    mark(a, NULL, false);
+    a->stop = true;
+    sem_post(&a->empty);
     pthread_join(a->thread, NULL);
-    t->cell = a->cell;
-    release(a);
+    sem_destroy(&a->empty);
+    sem_destroy(&a->full);
 }
 
 void mukca_table_read_ahead(mukca_table *t)
@@ -136,26 +109,20 @@ void mukca_table_read_ahead(mukca_table *t)
     if (t->status != MUKCA_OK || !t->header || fstat(fileno(t->stream), &file) ||
         !S_ISREG(file.st_mode) || file.st_size < BLOCKS * TEXT)
         return;
-    read_ahead *a = calloc(1, sizeof *a);
+    read_ahead *a = MUKCA_TAKE(&t->pool, read_ahead, 1);
     if (!a) return;
-    pthread_mutex_init(&a->lock, NULL);
-    pthread_cond_init(&a->change, NULL);
+    a->now = -1;
     a->rows = 1 + CELLS / t->n_columns;
     a->source = (mukca_table_source){next, close_ahead};
     a->table = *t;
     a->table.error = &a->error;
-    a->cell = t->cell;
-    const size_t rows = (size_t)a->rows, cells = rows * (size_t)t->n_columns;
-    bool ok = true;
+    const int cells = a->rows * t->n_columns;
     for (block *b = a->block; b < a->block + BLOCKS; b++) {
-        b->line = malloc(rows * sizeof *b->line);
-        b->text = malloc((size_t)TEXT + MUKCA_TABLE_LINE);
-        b->cell = malloc(cells * sizeof *b->cell);
-        b->value = malloc(cells * sizeof *b->value);
-        ok = ok && b->line && b->text && b->cell && b->value;
+        b->line = MUKCA_TAKE(&t->pool, int, a->rows);
+        b->text = MUKCA_TAKE(&t->pool, char, TEXT + MUKCA_TABLE_LINE);
+        b->cell = MUKCA_TAKE(&t->pool, char *, cells);
+        b->value = MUKCA_TAKE(&t->pool, double, cells);
     }
-    if (ok && pthread_create(&a->thread, NULL, run, a) == 0)
-        t->source = &a->source;
-    else
-        release(a);
+    if (t->pool.failed || sem_init(&a->empty, 0, BLOCKS) || sem_init(&a->full, 0, 0)) return;
+    if (pthread_create(&a->thread, NULL, run, a) == 0) t->source = &a->source;
 }

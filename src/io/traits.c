@@ -2,6 +2,7 @@
 #include "io/summary.h"
 
 #include <inttypes.h>
+#include <limits.h>
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
@@ -85,6 +86,20 @@ static bool hash(uint64_t *value, const mukca_table *table, const char *key)
     return text && end == text + 17;
 }
 
+/* The number of arms stated before the header; 0: not stated. */
+static int count_arms(mukca_table *table)
+{
+    const char *text = head(table, "arms");
+    char *end = NULL;
+    if (!text) return 0;
+    const long n = strtol(text, &end, 10);
+    if (end > text && end[strspn(end, " \t")] == '\n' && n >= 0 && n <= INT_MAX) return (int)n;
+    table->line = 1;
+    for (const char *c = table->comments; c < text; c++) table->line += *c == '\n';
+    mukca_table_fail(table, -1, "`# arms:` is no number; make the table again with mukca fleet");
+    return 0;
+}
+
 /* Check that the chain has the fleet's nominal geometry; joint names come from the chain. */
 static void check_model(mukca_traits *t, mukca_table *table, const mukca_chain *chain)
 {
@@ -93,20 +108,15 @@ static void check_model(mukca_traits *t, mukca_table *table, const mukca_chain *
     t->model = present;
     const bool stated =
         hash(&t->model.geometry, table, "geometry") && hash(&t->model.masses, table, "masses");
-    const char *differs = mukca_fleet_model_differs(&present, &t->model),
-               *arms = head(table, "arms");
+    const char *differs = mukca_fleet_model_differs(&present, &t->model);
     if (!stated)
-        mukca_table_stop(
-            table, mukca_fail(table->error, MUKCA_INPUT,
-                              "%s: no traits table: `# geometry:` or `# masses:` is missing; make "
-                              "it with mukca fleet",
-                              table->path));
+        mukca_table_fail(table, MUKCA_WHOLE_TABLE,
+                         "no traits table: `# geometry:` or `# masses:` is missing; make it with "
+                         "mukca fleet");
     else if (differs)
-        mukca_table_stop(table, mukca_fail(table->error, MUKCA_INPUT,
-                                           "%s: traits of another model: %s; give those of this "
-                                           "arm's model",
-                                           table->path, differs));
-    t->n_arms = arms ? atoi(arms) : 0;
+        mukca_table_fail(table, MUKCA_WHOLE_TABLE,
+                         "traits of another model: %s; give those of this arm's model", differs);
+    t->n_arms = count_arms(table);
 }
 
 static mukca_effect read_effect(mukca_table *table, const int *column, const mukca_chain *chain)

@@ -24,7 +24,7 @@ mukca_status mukca_urdf_load(mukca_chain *chain, const char *path,
 
 /* One <joint> of the robot. */
 typedef struct {
-    char name[MUKCA_NAME_SIZE]; /* truncated to 63 characters */
+    char *name; /* NULL: none */
     int line;
     double xyz[3], rpy[3]; /* of the origin, as written; 0 if absent */
 } mukca_urdf_joint;
@@ -46,6 +46,9 @@ void mukca_urdf_text_free(mukca_urdf_text *urdf); /* harmless on zeroed text */
 const mukca_urdf_joint *mukca_urdf_text_joint(const mukca_urdf_text *urdf, const char *name);
 
 /* ---- mass, centre and inertia of a body, as robot models have them (body.c) ---- */
+
+/* Whether a tensor (xx yy zz xy xz yz) is positive definite. */
+bool mukca_tensor_positive(const double T[6]);
 
 /* The same body in axes R of another frame: R' x.  In place. */
 void mukca_body_turn(mukca_mass *out, const mukca_mass *in, const double R[9]);

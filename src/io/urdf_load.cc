@@ -102,7 +102,9 @@ struct Loader : Tree {
         if (joint.mimic)
             fail_joint(name, "it mimics '" + joint.mimic->joint_name +
                                  "', which is not supported in the chain; choose another --tip");
-        joint_origin(name, e->xyz, e->rpy);
+        const mukca_urdf_joint origin = written(name);
+        std::memcpy(e->xyz, origin.xyz, sizeof e->xyz);
+        std::memcpy(e->rpy, origin.rpy, sizeof e->rpy);
         for (double x : e->xyz)
             if (std::fabs(x) > MUKCA_NUMBER_LARGEST)
                 fail_joint(name,
@@ -206,8 +208,7 @@ struct Loader : Tree {
         if (mass != masses_.end()) mukca_body_add(sum, &T, &mass->second);
         for (const auto &joint : model_->getLink(link)->child_joints) {
             if (joint->name == next) continue;
-            double xyz[3], rpy[3];
-            mukca_frame origin = joint_origin(joint->name, xyz, rpy), child;
+            mukca_frame origin = joint_origin(joint->name), child;
             mukca_frame_multiply(&child, &T, &origin);
             fold(sum, joint->child_link_name, child, next);
         }
@@ -234,8 +235,7 @@ struct Loader : Tree {
         mukca_frame T = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
         bool moves = false;
         for (const std::string &name : path(model_->getRoot()->name, base)) {
-            double xyz[3], rpy[3];
-            mukca_frame origin = joint_origin(name, xyz, rpy);
+            const mukca_frame origin = joint_origin(name);
             mukca_frame_multiply(&T, &T, &origin);
             moves |= model_->getJoint(name)->type != urdf::Joint::FIXED;
         }

@@ -28,83 +28,76 @@ static bool is(const xmlNode *node, const char *name)
     return strcmp((const char *)node->name, name) == 0 && !(node->ns && node->ns->prefix);
 }
 
-/* Append a zeroed joint; NULL: too many. */
-static mukca_urdf_joint *new_joint(scan *s)
-{
-    mukca_urdf_text *urdf = s->urdf;
-    const bool room = urdf->n_joints < MOST_JOINTS;
-    mukca_urdf_joint *joint =
-        room ? mukca_list_append(&urdf->joints, &urdf->n_joints, sizeof *joint) : NULL;
-    if (!joint)
-        s->status = room ? mukca_fail(s->error, MUKCA_MEMORY, "out of memory")
-                         : mukca_fail(s->error, MUKCA_INPUT, "%s: has more than %d joints", s->path,
-                                      (int)MOST_JOINTS);
-    return joint;
-}
-
 /* Read three numbers of an attribute, which may be absent. */
-static void read_numbers(scan *s, double *values, const xmlNode *origin, const char *key)
+static mukca_status read_numbers(const scan *s, double *values, const xmlNode *origin,
+                                 const char *key, const mukca_urdf_joint *joint)
 {
     char *text = (char *)xmlGetNoNsProp(origin, (const xmlChar *)key);
-    const mukca_urdf_joint *joint = &s->urdf->joints[s->urdf->n_joints - 1];
-    if (text && !mukca_number_parse_list(values, 3, text))
-        s->status = mukca_fail(s->error, MUKCA_INPUT,
-                               "%s:%d: joint '%s': origin xyz and rpy must be three numbers each "
-                               "(a xacro file: expand it first)",
-                               s->path, joint->line, joint->name);
+    const bool good = !text || mukca_number_parse_list(values, 3, text);
     xmlFree(text);
+    if (good) return MUKCA_OK;
+    return mukca_fail(s->error, MUKCA_INPUT,
+                      "%s:%d: joint '%s': origin xyz and rpy must be three numbers each "
+                      "(a xacro file: expand it first)",
+                      s->path, joint->line, joint->name ? joint->name : "");
 }
 
-static void read_joint(scan *s, const xmlNode *node)
+static mukca_status read_joint(const scan *s, const xmlNode *node)
 {
-    mukca_urdf_joint *joint = new_joint(s);
-    char *name = (char *)xmlGetNoNsProp(node, (const xmlChar *)"name");
-    const xmlNode *origin = node->children;
-    if (joint) snprintf(joint->name, sizeof joint->name, "%s", name ? name : "");
-    xmlFree(name);
-    if (!joint) return;
+    mukca_urdf_text *urdf = s->urdf;
+    if (urdf->n_joints == MOST_JOINTS)
+        return mukca_fail(s->error, MUKCA_INPUT, "%s: has more than %d joints", s->path,
+                          (int)MOST_JOINTS);
+    mukca_urdf_joint *joint = mukca_list_append(&urdf->joints, &urdf->n_joints, sizeof *joint);
+    if (!joint) return mukca_fail(s->error, MUKCA_MEMORY, "out of memory");
+    joint->name = (char *)xmlGetNoNsProp(node, (const xmlChar *)"name");
     joint->line = (int)xmlGetLineNo(node);
+    const xmlNode *origin = node->children;
     while (origin && !(origin->type == XML_ELEMENT_NODE && is(origin, "origin")))
         origin = origin->next;
-    if (!origin) return; /* urdfdom uses the first */
-    read_numbers(s, joint->xyz, origin, "xyz");
-    if (s->status == MUKCA_OK) read_numbers(s, joint->rpy, origin, "rpy");
+    if (!origin) return MUKCA_OK; /* urdfdom uses the first */
+    MUKCA_TRY(read_numbers(s, joint->xyz, origin, "xyz", joint));
+    return read_numbers(s, joint->rpy, origin, "rpy", joint);
 }
 
 /* Refuse elements that no URDF for this program has. */
-static void check_element(scan *s, const xmlNode *node, int depth)
+static mukca_status check_element(const scan *s, const xmlNode *node, int depth)
 {
     const char *name = (const char *)node->name;
     const char *prefix = node->ns ? (const char *)node->ns->prefix : name;
     const int line = (int)xmlGetLineNo(node);
     if (depth == 0 && !is(node, "robot"))
-        s->status = mukca_fail(s->error, MUKCA_INPUT,
-                               "%s:%d: the root element is <%.40s>, not <robot>; this is no URDF",
-                               s->path, line, name);
-    else if (depth >= DEEPEST)
-        s->status = mukca_fail(s->error, MUKCA_INPUT,
-                               "%s:%d: elements nested more than %d deep; this is no URDF", s->path,
-                               line, (int)DEEPEST);
-    else if (prefix && strncmp(prefix, "xacro", 5) == 0 && strchr(":", prefix[5]))
-        s->status = mukca_fail(
-            s->error, MUKCA_INPUT,
-            "%s:%d: contains xacro macros; expand them first: xacro IN > OUT.urdf", s->path, line);
+        return mukca_fail(s->error, MUKCA_INPUT,
+                          "%s:%d: the root element is <%.40s>, not <robot>; this is no URDF",
+                          s->path, line, name);
+    if (depth >= DEEPEST)
+        return mukca_fail(s->error, MUKCA_INPUT,
+                          "%s:%d: elements nested more than %d deep; this is no URDF", s->path,
+                          line, (int)DEEPEST);
+    if (prefix && strncmp(prefix, "xacro", 5) == 0 && strchr(":", prefix[5]))
+        return mukca_fail(s->error, MUKCA_INPUT,
+                          "%s:%d: contains xacro macros; expand them first: xacro IN > OUT.urdf",
+                          s->path, line);
+    return MUKCA_OK;
 }
 
 /* Check the elements below a node, and remove all else. */
-static void check_children(scan *s, xmlNode *parent, int depth)
+static mukca_status check_children(const scan *s, xmlNode *parent, int depth)
 {
-    for (xmlNode *child = parent->children, *next; child && s->status == MUKCA_OK; child = next) {
+    for (xmlNode *child = parent->children, *next; child; child = next) {
         next = child->next;
-        if (child->type == XML_ELEMENT_NODE) {
-            check_element(s, child, depth);
-            if (s->status == MUKCA_OK && depth == 1 && is(child, "joint")) read_joint(s, child);
-            check_children(s, child, depth + 1);
-        } else {
+        if (child->type != XML_ELEMENT_NODE) {
             xmlUnlinkNode(child);
             xmlFreeNode(child);
+            continue;
         }
+        MUKCA_TRY(check_element(s, child, depth));
+        if (depth == 1 && is(child, "joint")) {
+            MUKCA_TRY(read_joint(s, child));
+        }
+        MUKCA_TRY(check_children(s, child, depth + 1));
     }
+    return MUKCA_OK;
 }
 
 /* Refuse document types: entities could hide elements and expand without limit. */
@@ -163,7 +156,7 @@ static mukca_status scan_joints(mukca_urdf_text *urdf, const char *path, mukca_e
     xmlDocPtr document =
         xmlCtxtReadMemory(parser, urdf->text, (int)strlen(urdf->text), NULL, NULL,
                           XML_PARSE_NONET | XML_PARSE_NOERROR | XML_PARSE_NOWARNING);
-    if (document) check_children(&s, (xmlNode *)document, 0);
+    if (document && s.status == MUKCA_OK) s.status = check_children(&s, (xmlNode *)document, 0);
     if (document && s.status == MUKCA_OK) xmlDocDumpMemoryEnc(document, &elements, &size, "UTF-8");
     urdf->elements = (char *)elements;
     if (!document && s.status == MUKCA_OK) {
@@ -184,15 +177,11 @@ static mukca_status scan_joints(mukca_urdf_text *urdf, const char *path, mukca_e
 mukca_status mukca_urdf_text_read(mukca_urdf_text *urdf, const char *path, mukca_error *error)
 {
     *urdf = (mukca_urdf_text){0};
-    mukca_status status = mukca_file_read(&urdf->text, path, error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(mukca_file_read(&urdf->text, path, error));
     path = mukca_file_shown(path);
-    if (*urdf->text) {
-        SHA256Data((const uint8_t *)urdf->text, strlen(urdf->text), urdf->sha256);
-        status = scan_joints(urdf, path, error);
-    } else {
-        status = mukca_fail(error, MUKCA_INPUT, "%s: is empty", path);
-    }
+    SHA256Data((const uint8_t *)urdf->text, strlen(urdf->text), urdf->sha256);
+    const mukca_status status = *urdf->text ? scan_joints(urdf, path, error)
+                                            : mukca_fail(error, MUKCA_INPUT, "%s: is empty", path);
     if (status != MUKCA_OK) mukca_urdf_text_free(urdf);
     return status;
 }
@@ -201,6 +190,7 @@ void mukca_urdf_text_free(mukca_urdf_text *urdf)
 {
     free(urdf->text);
     free(urdf->elements);
+    for (int i = 0; i < urdf->n_joints; i++) free(urdf->joints[i].name);
     free(urdf->joints);
     memset(urdf, 0, sizeof *urdf);
 }
@@ -208,6 +198,7 @@ void mukca_urdf_text_free(mukca_urdf_text *urdf)
 const mukca_urdf_joint *mukca_urdf_text_joint(const mukca_urdf_text *urdf, const char *name)
 {
     for (int i = 0; i < urdf->n_joints; i++)
-        if (strcmp(urdf->joints[i].name, name) == 0) return &urdf->joints[i];
+        if (urdf->joints[i].name && strcmp(urdf->joints[i].name, name) == 0)
+            return &urdf->joints[i];
     return NULL;
 }

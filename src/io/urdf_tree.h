@@ -106,8 +106,7 @@ struct Tree {
 
     [[noreturn]] void fail_joint(const std::string &joint, const std::string &what)
     {
-        const mukca_urdf_joint *t = mukca_urdf_text_joint(&text_, joint.c_str());
-        fail("joint '" + joint + "': " + what, t ? t->line : 0);
+        fail("joint '" + joint + "': " + what, written(joint).line);
     }
 
     void add_note(const std::string &what)
@@ -219,17 +218,18 @@ struct Tree {
         return joints;
     }
 
-    // The origin as written: urdfdom stores a quaternion and loses rpy near +-90 degrees.
-    mukca_frame joint_origin(const std::string &name, double xyz[3], double rpy[3]) const
+    // The joint as written: urdfdom stores a quaternion and loses rpy near +-90 degrees.
+    mukca_urdf_joint written(const std::string &name) const
     {
-        mukca_frame frame;
         const mukca_urdf_joint *t = mukca_urdf_text_joint(&text_, name.c_str());
-        for (int i = 0; i < 3; i++) {
-            xyz[i] = t ? t->xyz[i] : 0;
-            rpy[i] = t ? t->rpy[i] : 0;
-            frame.p[i] = xyz[i];
-        }
-        mukca_rotation_from_rpy(frame.R, rpy);
+        return t ? *t : mukca_urdf_joint();
+    }
+
+    mukca_frame joint_origin(const std::string &name) const
+    {
+        const mukca_urdf_joint t = written(name);
+        mukca_frame frame = {{0}, {t.xyz[0], t.xyz[1], t.xyz[2]}};
+        mukca_rotation_from_rpy(frame.R, t.rpy);
         return frame;
     }
 };

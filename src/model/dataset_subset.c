@@ -132,9 +132,7 @@ static bool same_posture(const mukca_dataset *d, int first, int row)
     if (d->payload && d->payload[row] != d->payload[first] &&
         !(isnan(d->payload[row]) && isnan(d->payload[first])))
         return false;
-    for (int j = 0; j < d->n_joints; j++)
-        if (!(fabs(b[j] - a[j]) <= STILL)) return false;
-    return true;
+    return mukca_largest_difference(a, b, d->n_joints) <= STILL;
 }
 
 /* x[n_rows][columns] (NULL: none): replace row `first` by the mean of `count` rows starting there.

@@ -81,21 +81,14 @@ static void add(buckets *b, int row)
     b->first[bucket] = row;
 }
 
-/* Largest difference of a joint's angles, or any from `limit` on; rows with another payload are
- * another posture. */
-static double distance(const mukca_dataset *d, int a, int b, double limit)
+/* Largest difference of a joint's angles; rows with another payload are another posture. */
+static double distance(const mukca_dataset *d, int a, int b)
 {
-    const double *p = d->q + (size_t)a * (size_t)d->n_joints,
-                 *q = d->q + (size_t)b * (size_t)d->n_joints;
-    double most = 0;
-    for (int j = 0; j < d->n_joints && most < limit; j++) {
-        const double off = fabs(p[j] - q[j]);
-        if (off > most) most = off;
-    }
+    const size_t n = (size_t)d->n_joints;
     if (d->payload && d->payload[a] != d->payload[b] &&
         !(isnan(d->payload[a]) && isnan(d->payload[b])))
         return HUGE_VAL;
-    return most;
+    return mukca_largest_difference(d->q + (size_t)a * n, d->q + (size_t)b * n, d->n_joints);
 }
 
 /* Largest distance of readings of one posture: the middle, in logarithms, of the widest gap in the
@@ -114,7 +107,7 @@ static double find_tolerance(mukca_pool *pool, const mukca_dataset *d)
         for (int k = find_buckets(near, &b, row, FAR) - 1; k >= 0; k--)
             for (int i, *at = &b.first[near[k]]; (i = *at) >= 0;) {
                 double *least = &nearest[i / step];
-                const double far = i == row ? FAR : distance(d, i, row, *least);
+                const double far = i == row ? FAR : distance(d, i, row);
                 if (far < *least) *least = far;
                 if (*least > NEAR)
                     at = &b.next[i];
@@ -145,7 +138,7 @@ int mukca_postures_find(int *posture, mukca_pool *pool, const mukca_dataset *d)
         posture[row] = row;
         for (int k = find_buckets(near, &b, row, tolerance) - 1; k >= 0; k--)
             for (int other = b.first[near[k]]; other >= 0; other = b.next[other]) {
-                const double far = distance(d, row, other, least);
+                const double far = distance(d, row, other);
                 if (far < least) least = far, posture[row] = other;
             }
         if (posture[row] == row)

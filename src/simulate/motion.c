@@ -49,38 +49,34 @@ enum {
     KINDS
 };
 
-/* Effects of one value: at a joint, and of the measured torque of one joint or of all. */
-#define AT_JOINT(text, stage, what, unit)                                                     \
-    {                                                                                         \
-        text, MUKCA_SIMULATED_##stage, MUKCA_SIMULATED_AT_JOINT, 1, 1, {{what, unit}}, {0}, 0 \
+/* Of one value, and of one or two values that are torques, with a variant. */
+#define ONE(text, where, what, unit)                                   \
+    {                                                                  \
+        text, MUKCA_SIMULATED_##where, 1, 1, .value = { {what, unit} } \
     }
-#define AT_ALL(text, stage, what, unit)                                                     \
-    {                                                                                       \
-        text, MUKCA_SIMULATED_##stage, MUKCA_SIMULATED_AT_ALL, 1, 1, {{what, unit}}, {0}, 0 \
-    }
-/* Of one or two values that are torques, with a variant. */
-#define WITH(text, most, a, b, variant, unit, usual)                                              \
-    {                                                                                             \
-        text, MUKCA_SIMULATED_ADDED, MUKCA_SIMULATED_AT_JOINT, 1, most, {{a, "N*m"}, {b, "N*m"}}, \
-            {variant, unit}, usual                                                                \
+#define WITH(text, most, a, b, variant, unit, usual)                                               \
+    {                                                                                              \
+        text, MUKCA_SIMULATED_AT_JOINT, 1, most, false, {{a, "N*m"}, {b, "N*m"}}, {variant, unit}, \
+            usual                                                                                  \
     }
 
 const mukca_simulated_kind mukca_simulated_kinds[KINDS + 1] = {
-    [PAYLOAD] = {"payload", MUKCA_SIMULATED_MASSES, MUKCA_SIMULATED_AT_TIP, 1, 4,
+    [PAYLOAD] = {"payload", MUKCA_SIMULATED_AT_TIP, 1, 4, .masses = true,
                  .value = {{"mass", "kg"}, {"x", "m"}, {"y", "m"}, {"z", "m"}}},
-    [LINK_MASS] = AT_JOINT("link_mass", MASSES, "mass", "kg"),
-    [LINK_CENTRE] = {"link_centre", MUKCA_SIMULATED_MASSES, MUKCA_SIMULATED_AT_JOINT, 3, 3,
+    [LINK_MASS] = {"link_mass", MUKCA_SIMULATED_AT_JOINT, 1, 1, .masses = true,
+                   .value = {{"mass", "kg"}}},
+    [LINK_CENTRE] = {"link_centre", MUKCA_SIMULATED_AT_JOINT, 3, 3, .masses = true,
                      .value = {{"x", "m"}, {"y", "m"}, {"z", "m"}}},
-    [ARMATURE] = AT_JOINT("armature", ADDED, "inertia", "kg*m^2"),
-    [COULOMB] = AT_JOINT("coulomb", ADDED, "torque", "N*m"),
-    [VISCOUS] = AT_JOINT("viscous", ADDED, "damping", "N*m*s/rad"),
+    [ARMATURE] = ONE("armature", AT_JOINT, "inertia", "kg*m^2"),
+    [COULOMB] = ONE("coulomb", AT_JOINT, "torque", "N*m"),
+    [VISCOUS] = ONE("viscous", AT_JOINT, "damping", "N*m*s/rad"),
     [STRIBECK] = WITH("stribeck", 1, "torque", NULL, "velocity", "rad/s", 0.1),
-    [LOAD_FRICTION] = AT_JOINT("load_friction", ADDED, "share", "1"),
-    [ASYMMETRY] = AT_JOINT("asymmetry", ADDED, "damping", "N*m*s/rad"),
-    [OFFSET] = AT_JOINT("offset", ADDED, "torque", "N*m"),
-    [TORQUE_GAIN] = AT_ALL("torque_gain", GAIN, "share", "1"),
-    [DELAY] = AT_ALL("delay", DELAY, "time", "s"),
-    [SPRING] = {"spring", MUKCA_SIMULATED_ADDED, MUKCA_SIMULATED_AT_JOINT, 1, 2,
+    [LOAD_FRICTION] = ONE("load_friction", AT_JOINT, "share", "1"),
+    [ASYMMETRY] = ONE("asymmetry", AT_JOINT, "damping", "N*m*s/rad"),
+    [OFFSET] = ONE("offset", AT_JOINT, "torque", "N*m"),
+    [TORQUE_GAIN] = ONE("torque_gain", AT_ALL, "share", "1"),
+    [DELAY] = ONE("delay", AT_ALL, "time", "s"),
+    [SPRING] = {"spring", MUKCA_SIMULATED_AT_JOINT, 1, 2,
                 .value = {{"stiffness", "N*m/rad"}, {"zero", "rad"}}},
     [COGGING] = WITH("cogging", 2, "sine", "cosine", "order", "1", 0),
     [THERMAL_FRICTION] = WITH("thermal_friction", 1, "torque", NULL, "time_constant", "s", 60)};
@@ -92,7 +88,7 @@ int mukca_simulated_kind_find(const char *name)
     return -1;
 }
 
-/* Torque that the drive spends on an effect of the stage MUKCA_SIMULATED_ADDED; 0: of another. */
+/* Torque that the drive spends on an effect; 0: of masses, or of the measured torque. */
 static double added(const mukca_simulated_torque *e, const moment *at)
 {
     const double sign = (at->dq > 0) - (at->dq < 0), v = e->variant;
@@ -110,7 +106,7 @@ static double added(const mukca_simulated_torque *e, const moment *at)
            (e->kind == COGGING ? e->value[1] * cos(v * at->q) : 0);
 }
 
-/* Change the parameters p of all links by an effect of the stage MUKCA_SIMULATED_MASSES. */
+/* Change the parameters p of all links by an effect of masses. */
 static void change_masses(double *p, const mukca_simulated_torque *e,
                           const mukca_simulated_motion *motion)
 {
@@ -285,16 +281,15 @@ mukca_status mukca_simulate_motion(const mukca_simulated_motion *motion, mukca_m
                                    void *context)
 {
     state s = {.motion = motion};
-    mukca_status status = MUKCA_OK;
     mukca_dynamics_set(&s.dynamics, motion->chain);
     mukca_dynamics_inertials(s.p, motion->chain);
     for (int e = 0; e < motion->n_effects; e++) change_masses(s.p, &motion->effects[e], motion);
     mukca_simulate_seed(&s.paths, motion->seed, MUKCA_DRAW_POSTURES);
     mukca_simulate_seed(&s.noise, motion->seed, MUKCA_DRAW_NOISE);
-    for (int run = 0; run < motion->runs && status == MUKCA_OK; run++) {
+    for (int run = 0; run < motion->runs; run++) {
         draw_path(&s.way, motion, &s.paths);
         if (run == 0) find_ranges(&s);
-        status = write_run(&s, run * (motion->seconds + MUKCA_RUN_PAUSE), write, context);
+        MUKCA_TRY(write_run(&s, run * (motion->seconds + MUKCA_RUN_PAUSE), write, context));
     }
-    return status;
+    return MUKCA_OK;
 }

@@ -10,14 +10,6 @@
 
 #include "mukca/chain.h"
 
-/* What an effect changes. */
-typedef enum {
-    MUKCA_SIMULATED_ADDED,  /* the torque of its joint */
-    MUKCA_SIMULATED_MASSES, /* the inertial parameters */
-    MUKCA_SIMULATED_GAIN,   /* the measured torque */
-    MUKCA_SIMULATED_DELAY   /* its time */
-} mukca_simulated_stage;
-
 typedef enum {
     MUKCA_SIMULATED_AT_JOINT,
     MUKCA_SIMULATED_AT_ALL, /* or at one joint */
@@ -31,9 +23,9 @@ typedef struct {
 /* A row of the catalogue. */
 typedef struct {
     const char *name;
-    mukca_simulated_stage stage;
     mukca_simulated_where where;
-    int least, most;                         /* number of values */
+    int least, most; /* number of values */
+    bool masses;     /* it changes the inertial parameters, others torques */
     mukca_simulated_value value[4], variant; /* variant: after @; NULL: none */
     double usual;                            /* its default; 0: it must be given */
 } mukca_simulated_kind;

@@ -50,9 +50,6 @@ mukca_status mukca_simulate_places(mukca_place *places, int n_places, const mukc
     mukca_geometry geometry;
     mukca_place candidates[CANDIDATES];
     double reached[CANDIDATES], best = 0;
-    bool wanted = false;
-    for (int i = 0; i < n_places; i++) wanted |= !places[i].placed;
-    if (!wanted) return MUKCA_OK;
     mukca_simulate_seed(&random, seed, MUKCA_DRAW_PLACES);
     mukca_geometry_set(&geometry, chain, NULL);
     for (int i = 0; i < n_places; i++) {

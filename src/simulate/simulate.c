@@ -103,9 +103,10 @@ static void finish_row(recorder *r)
     r->row++;
 }
 
-/* Start a sample `pause` s after the preceding one, with jitter. */
-static void tick(recorder *r, double pause)
+/* Start a sample `pause` s after the preceding one, with jitter, unless it is interrupted. */
+static mukca_status tick(recorder *r, double pause)
 {
+    if (r->options.interrupted && r->options.interrupted()) return MUKCA_INTERRUPTED;
     double *t = r->data->time + r->row;
     const double jitter = 0.6 + 0.8 * mukca_random_uniform(&r->clock);
     *t = r->row > 0 ? t[-1] + round(1e3 * pause * jitter) / 1e3 : 0;
@@ -115,11 +116,7 @@ static void tick(recorder *r, double pause)
                                        .placement = mukca_dataset_placement(r->data, r->row),
                                        .number = r->row + 1};
     mukca_row_state_next(&r->states, &reading);
-}
-
-static bool interrupted(const recorder *r)
-{
-    return r->options.interrupted && r->options.interrupted();
+    return MUKCA_OK;
 }
 
 /* Add a column of n numbers, if it is wanted; false: out of memory. */
@@ -221,7 +218,7 @@ static mukca_status record_socket(recorder *r, const mukca_simulated_session *se
     const size_t n = (size_t)r->data->n_joints;
     mukca_frame target = {{0}, {0}};
     r->data->socket[r->row] = 2 * place + socket;
-    tick(r, row > 0 ? interval : socket ? 2 * interval : 10 * interval);
+    MUKCA_TRY(tick(r, row > 0 ? interval : socket ? 2 * interval : 10 * interval));
     mukca_simulate_seat(target.p, session, place, socket, row);
     for (int a = 0; a < 3; a++) target.p[a] += r->options.noise * mukca_random_normal(&r->noise);
     if (is_duplicate(session, place, socket, row)) {
@@ -256,14 +253,41 @@ mukca_status mukca_simulate_sockets(mukca_dataset *data, const mukca_simulated_s
         data->distances[p] =
             (mukca_distance){.a = 2 * p, .b = 2 * p + 1, .distance = r.options.distance};
         for (int row = 0; row < rows && status == MUKCA_OK; row++)
-            status = interrupted(&r) ? MUKCA_INTERRUPTED
-                                     : record_socket(&r, session, p, s % 2, row, error);
+            status = record_socket(&r, session, p, s % 2, row, error);
     }
     if (status != MUKCA_OK) mukca_dataset_free(data);
     return status;
 }
 
 /* ---- pose logs ---- */
+
+/* Record a pose at the angles q, NULL: at simulated ones. */
+static mukca_status record_pose(recorder *r, const double *q)
+{
+    const size_t n = (size_t)r->data->n_joints, i = (size_t)r->row;
+    double *angles = r->data->q + i * n;
+    mukca_displacement displacement;
+    mukca_frame pose;
+    MUKCA_TRY(tick(r, interval));
+    if (q)
+        memcpy(angles, q, n * sizeof *q);
+    else
+        mukca_simulate_posture(angles, &r->arm->chain, &r->postures);
+    displace(&displacement, angles, r);
+    mukca_fk_pose(&pose, &r->arm->geometry, angles, &displacement);
+    for (size_t a = 0; a < 3; a++)
+        r->data->position[3 * i + a] =
+            pose.p[a] + r->options.noise * mukca_random_normal(&r->noise);
+    if (r->data->quaternion) {
+        double w[3], turn[9], R[9];
+        for (int a = 0; a < 3; a++) w[a] = r->options.rotation * mukca_random_normal(&r->rotation);
+        mukca_rotation_exp(turn, w);
+        mukca_mat3_mul(R, pose.R, turn);
+        mukca_rotation_to_quaternion(r->data->quaternion + 4 * i, R);
+    }
+    finish_row(r);
+    return MUKCA_OK;
+}
 
 mukca_status mukca_simulate_poses(mukca_dataset *data, const mukca_corrected *arm, const double *q,
                                   int n_rows, const mukca_simulate_options *options,
@@ -275,32 +299,8 @@ mukca_status mukca_simulate_poses(mukca_dataset *data, const mukca_corrected *ar
     if (status == MUKCA_OK && (!add_column(&data->position, true, 3 * count) ||
                                !add_column(&data->quaternion, !r.options.position_only, 4 * count)))
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", n_rows);
-    for (size_t i = 0; i < count && status == MUKCA_OK && data->position; i++) {
-        mukca_displacement displacement;
-        mukca_frame pose;
-        if (interrupted(&r)) {
-            status = MUKCA_INTERRUPTED;
-            break;
-        }
-        tick(&r, interval);
-        if (q)
-            memcpy(data->q + i * n, q + i * n, n * sizeof *q);
-        else
-            mukca_simulate_posture(data->q + i * n, &arm->chain, &r.postures);
-        displace(&displacement, data->q + i * n, &r);
-        mukca_fk_pose(&pose, &arm->geometry, data->q + i * n, &displacement);
-        for (size_t a = 0; a < 3; a++)
-            data->position[3 * i + a] = pose.p[a] + options->noise * mukca_random_normal(&r.noise);
-        if (data->quaternion) {
-            double w[3], turn[9], R[9];
-            for (int a = 0; a < 3; a++)
-                w[a] = r.options.rotation * mukca_random_normal(&r.rotation);
-            mukca_rotation_exp(turn, w);
-            mukca_mat3_mul(R, pose.R, turn);
-            mukca_rotation_to_quaternion(data->quaternion + 4 * i, R);
-        }
-        finish_row(&r);
-    }
+    for (size_t i = 0; i < count && status == MUKCA_OK && data->position; i++)
+        status = record_pose(&r, q ? q + i * n : NULL);
     if (status != MUKCA_OK) mukca_dataset_free(data);
     return status;
 }

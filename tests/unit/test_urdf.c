@@ -92,6 +92,22 @@ TEST(side_branches_are_folded_onto_the_chain)
     assert_int_equal(chain.mass[2].element, 3);
 }
 
+/* Names in side branches may be longer than those of the chain. */
+TEST(a_long_name_has_its_origin)
+{
+#define LONG_JOINT \
+    "a_joint_whose_name_is_longer_than_the_sixty_three_characters_that_the_chain_holds"
+    assert_ok(
+        load("<robot name='x'><link name='a'/><link name='b'/><link name='ball'/><link name='side'>"
+             "<inertial><mass value='1'/></inertial></link>"
+             "<joint name='j' type='continuous'><parent link='a'/><child link='b'/></joint>"
+             "<joint name='k' type='fixed'><parent link='b'/><child link='ball'/></joint>"
+             "<joint name='" LONG_JOINT "' type='fixed'><origin xyz='0 0 2'/>"
+             "<parent link='b'/><child link='side'/></joint></robot>",
+             NULL));
+    assert_close(chain.mass[0].com[2], 2, 0);
+}
+
 /* R I R' for a pitch of 3 mrad less than 90 degrees. */
 TEST(tensors_are_turned_exactly)
 {

@@ -101,6 +101,10 @@ wrong() { # SED PATTERN: a traits table that is refused for what is wrong with i
 wrong 's/^joint_compliance/backlash/' "bad.traits.tsv:[0-9]*: column 'effect': 'backlash' is no trait"
 wrong 's/	joint_4	/	joint_9	/' "'joint_9' is no joint of the arm"
 wrong '/^joint_compliance	joint_4/ { p; }' "the same trait twice"
+for arms in many 3x 2.5 -3 99999999999 ''; do
+    wrong "s/^# arms:.*/# arms: $arms/" 'bad.traits.tsv:8: `# arms:` is no number; make the table again'
+done
+wrong '2s/^/\n/; s/^# arms:.*/# arms: many/' 'bad.traits.tsv:9: `# arms:` is no number'
 wrong '/^base_compliance/ s/rad\/(N\*m)	[^	]*/rad\/(N*m)	nan/' "bad.traits.tsv:[0-9]*: column 'mean': 'nan' is not a finite number"
 head -c -5 all.traits.tsv >bad.traits.tsv
 refuse 3 "bad.traits.tsv:[0-9]*: the file is cut off; make it again" diagnose $a seven/train.tsv --traits bad.traits.tsv
