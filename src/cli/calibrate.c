@@ -152,8 +152,8 @@ static mukca_status run(cli_call *call)
         status = cli_scores_make(call, &w->scores, &fit->chain, fit->theta, NULL, "train");
     if (status != MUKCA_OK) return status;
     mukca_fit_offsets(&w->offsets, fit);
-    status =
-        mukca_fit_cross_validate(&w->held, fit, chain, &s->data, &s->test, &wanted, &call->error);
+    w->held.held = &s->test;
+    status = mukca_fit_cross_validate(&w->held, fit, chain, &s->data, &wanted, &call->error);
     if (status != MUKCA_OK) return status;
     status = mukca_accept_fit(&w->offsets, fit, &w->held, &s->data, &wanted, &call->error);
     mukca_cross_validation_free(&w->held);

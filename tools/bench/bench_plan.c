@@ -39,7 +39,7 @@ static void sag(mukca_displacement *displacement, const double *q, void *context
     const double still[MUKCA_MAX_JOINTS] = {0};
     const mukca_joint_state state = {.q = q, .move = still, .placement = -1};
     mukca_effects_displacement(displacement, arm->effects, arm->n_effects, &arm->chain,
-                               &arm->geometry, q, &state);
+                               &arm->geometry, &state);
 }
 
 /* Move the true arm from q until its ball is in the socket, up to noise. */
