@@ -81,7 +81,7 @@ void mukca_cost_hold(mukca_cost *cost, const double *x)
     if (k == 0 || !(lambda > 0)) return;
     mukca_cost_normal(H, cost, x, true);
     for (int i = 0; i < k * k; i++) A[i] = H[loose[i / k] * n + loose[i % k]];
-    if (mukca_dense_svd(A, curvature, V, k) != 0) return;
+    if (!mukca_dense_svd(A, curvature, V, k)) return;
     for (int d = 0; d < k; d++) {
         if (curvature[d] >= lambda) continue;
         double *v = cost->held + (size_t)(cost->n_held * n);

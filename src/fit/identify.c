@@ -76,7 +76,7 @@ static void project_out_turning(double *R, double *X, int n)
     double T[9], s[3], V[9], size = 0, square[3] = {0};
     for (int r = 0; r < wide; r++) size += mukca_dot3(R + r * wide + n, R + r * wide + n);
     for (int i = 0; i < 9; i++) T[i] = R[(n + i / 3) * wide + n + i % 3];
-    if (mukca_dense_svd(T, s, V, 3) != 0) return;
+    if (!mukca_dense_svd(T, s, V, 3)) return;
     for (int c = 0; c < 3; c++) /* else the parameters cannot rotate the arm */
         for (int i = 0; i < n && s[c] <= 1e-6 * sqrt(size); i++) {
             for (int a = 0; a < 3; a++) X[i * wide + c] += R[i * wide + n + a] * V[3 * a + c];
@@ -132,7 +132,7 @@ mukca_status mukca_identify(mukca_identification *id, mukca_cost *cost, const do
     score_covariance(B, cost);                    /* overwrites the Jacobian */
     if (!o->target) project_out_turning(R, X, n); /* measured poses identify that rotation */
     for (int i = 1; i < n; i++) memmove(R + i * n, R + i * (n + 3), (size_t)n * sizeof *R);
-    if (mukca_dense_svd(R, s, V, n) != 0)
+    if (!mukca_dense_svd(R, s, V, n))
         return mukca_fail(error, MUKCA_INPUT, "the model's derivatives are not finite numbers");
     while (id->rank < n && s[id->rank] > MUKCA_RANK_TOLERANCE * s[0])
         log_product += log(s[id->rank++]);

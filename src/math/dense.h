@@ -25,9 +25,9 @@ void mukca_dense_xty(double *C, mukca_columns X, mukca_columns Y, int m);
 void mukca_dense_xty_part(double *C, int ldc, mukca_columns X, mukca_columns Y, int m);
 void mukca_dense_symmetric(double *C, mukca_columns X, mukca_columns Y, int m);
 
-/* Cholesky A = L L' in place (lower; the upper triangle is unchanged).  Returns 0, or 1 + the
- * index of the first pivot that is not positive (also for NaN). */
-int mukca_dense_cholesky(double *A, int n);
+/* Cholesky A = L L' in place (lower; the upper triangle is unchanged).  False: a pivot is not
+ * positive (also for NaN). */
+bool mukca_dense_cholesky(double *A, int n);
 
 /* Columns [0, i) of the factor's rows i to i + 7, by forward substitution with the rows as
  * right-hand sides, and their subtraction from the next eight columns; 13 kB of stack. */
@@ -35,7 +35,7 @@ enum { MUKCA_DENSE_WIDEST = 200 }; /* largest i */
 void mukca_dense_eight_rows(double *A, int i, int n);
 
 /* Solve A x = b in place for k right-hand sides b[n][k]; A as above.  Returns likewise. */
-int mukca_dense_solve(double *b, int k, double *A, int n);
+bool mukca_dense_solve(double *b, int k, double *A, int n);
 
 /* Solve L x = b, and L' x = b, in place for k right-hand sides b[n][k]. */
 void mukca_dense_forward(double *b, int k, const double *L, int n);
@@ -51,8 +51,8 @@ void mukca_dense_forward_part(double *b, int ld, const double *L, int ldl, int n
 
 /* One-sided Jacobi SVD of A[n][n] in place: A becomes U (columns with singular value > 0 are
  * orthonormal), s[n] descending, V[n][n] (A = U diag(s) V').  Of more rows: mukca_dense_qr_absorb
- * first.  Returns 0, or 1 without convergence in 60 sweeps (also for NaN or infinity). */
-int mukca_dense_svd(double *A, double *s, double *V, int n);
+ * first.  False: no convergence in 60 sweeps (also for NaN or infinity). */
+bool mukca_dense_svd(double *A, double *s, double *V, int n);
 
 /* Remove the columns first .. end - 1 of X[rows][width] from those after them (Gram-Schmidt). */
 void mukca_dense_project(double *X, int rows, int width, int first, int end);

@@ -25,7 +25,7 @@ void mukca_rotation_nearest(double R[9], const double H[9])
 {
     double U[9], s[3], V[9], u[3][3], v[3][3]; /* columns of U and V */
     memcpy(U, H, sizeof U);
-    if (mukca_dense_svd(U, s, V, 3) || !(s[0] > 0)) return;
+    if (!mukca_dense_svd(U, s, V, 3) || !(s[0] > 0)) return;
     for (int c = 0; c < 2; c++)
         for (int i = 0; i < 3; i++) u[c][i] = U[3 * i + c], v[c][i] = V[3 * i + c];
     if (!(s[1] > 1e-9 * s[0])) {

@@ -152,7 +152,7 @@ void mukca_plan_state_refresh(mukca_plan_state *s)
 static double factor(double *A, int m)
 {
     double sum = 0;
-    if (mukca_dense_cholesky(A, m) != 0) return -HUGE_VAL;
+    if (!mukca_dense_cholesky(A, m)) return -HUGE_VAL;
     for (int i = 0; i < m; i++) sum += 2 * log(A[i * m + i]);
     return sum;
 }
