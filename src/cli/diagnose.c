@@ -71,6 +71,9 @@ mukca_status cli_diagnosis_run(cli_call *call, cli_diagnosis *d)
     status = mukca_diagnose(&d->diagnosis, chain, &s->data, &d->options, error);
     if (status == MUKCA_OK)
         status = mukca_next_poses_choose(&d->next, &d->diagnosis, chain, &s->data, cli_stop, error);
+    if (d->next.left_out)
+        cli_note(call, "next postures: for the first %d sockets, without the samples of %d others",
+                 MUKCA_PLAN_MAX_SOCKETS, d->next.left_out);
     return status;
 }
 

@@ -165,10 +165,10 @@ int mukca_plan_sockets(mukca_plan_socket *sockets, int room, const mukca_geometr
                        const mukca_dataset *data)
 {
     int n = 0;
-    for (int k = 0; k < data->n_sockets && n < room; k++) {
+    for (int k = 0; k < data->n_sockets; k++) {
         double centre[3];
-        if (!mukca_socket_mean(centre, geometry, data, k, -1)) continue;
-        mukca_plan_socket *s = &sockets[n++];
+        if (!mukca_socket_mean(centre, geometry, data, k, -1) || ++n > room) continue;
+        mukca_plan_socket *s = &sockets[n - 1];
         s->place = data->sockets[k].placement;
         memcpy(s->label, data->sockets[k].label, sizeof s->label);
         memcpy(s->placement, data->placements[s->place].name, sizeof s->placement);

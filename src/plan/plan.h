@@ -63,7 +63,8 @@ typedef struct {
                          MUKCA_PLAN_NAME; 0: more than 1000, or planned for accuracy */
 } mukca_plan;
 
-/* Sockets of a dataset, with the centres that `geometry` predicts.  Returns their number. */
+/* Sockets of a dataset with samples, and the centres that `geometry` predicts.  Returns their
+ * number; those beyond `room` are left out. */
 int mukca_plan_sockets(mukca_plan_socket *sockets, int room, const mukca_geometry *geometry,
                        const mukca_dataset *data);
 

@@ -97,6 +97,7 @@ TEST(test_better_than_random)
         mukca_plan beside, alone;
         mukca_plan_socket sockets[2];
         record(&random, 12, seed);
+        assert_int_equal(mukca_plan_sockets(sockets, 1, &nominal, &random), 2); /* one left out */
         assert_int_equal(mukca_plan_sockets(sockets, 2, &nominal, &random), 2);
         mukca_plan_options more = options;
         more.rows = 4;
