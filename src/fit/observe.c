@@ -103,18 +103,13 @@ static void subtract(mukca_observations *o)
 void mukca_observe_predict(mukca_observations *o, const double *theta)
 {
     mukca_sweep *sweep = &o->sweep;
+    o->theta = theta;
     mukca_sweep_origins(sweep, theta);
     memset(o->mean, 0, 3 * (size_t)o->n_sockets * sizeof *o->mean);
-    for (int v = 0; v < sweep->n_windows; v++) {
-        mukca_sweep_open(sweep, v);
-        predict_positions(o);
-    }
+    for (int v = 0; mukca_sweep_open(sweep, v); v++) predict_positions(o);
     for (int s = 0; s < o->n_sockets; s++)
         for (int a = 0; a < 3 && o->count[s] > 0; a++) o->mean[3 * s + a] /= o->count[s];
-    for (int v = 0; v < sweep->n_windows; v++) {
-        mukca_sweep_open(sweep, v);
-        subtract(o);
-    }
+    for (int v = 0; mukca_sweep_open(sweep, v); v++) subtract(o);
     predict_pairs(o);
 }
 
@@ -122,8 +117,7 @@ double mukca_observe_sum(mukca_observations *o, double *residual, const double *
 {
     mukca_sweep *s = &o->sweep;
     double sum = 0;
-    for (int v = 0; v < s->n_windows; v++) {
-        mukca_sweep_open(s, v);
+    for (int v = 0; mukca_sweep_open(s, v); v++) {
         const double *r = mukca_observe_window(residual, s);
         for (int i = 0; i < s->rows; i++)
             for (int a = 0; a < 3; a++)
@@ -172,22 +166,21 @@ static void sum_adjoints(mukca_adjoint *adjoint, mukca_observations *o)
 {
     for (int s = 0; s < o->n_sockets; s++) pair_adjoint(o->socket_adjoint + 3 * s, o, s);
     memset(adjoint, 0, sizeof *adjoint);
-    for (int v = 0; v < o->sweep.n_windows; v++) {
-        mukca_sweep_open(&o->sweep, v);
+    for (int v = 0; mukca_sweep_open(&o->sweep, v); v++) {
         if (o->sweep.n_windows > 1) mukca_sweep_forward(&o->sweep); /* else still valid */
         add_positions(adjoint, o);
     }
 }
 
-void mukca_observe_gradient(double *gradient, mukca_observations *o, const double *theta,
-                            const mukca_parameters *parameters, mukca_gradient kind)
+void mukca_observe_gradient(double *gradient, mukca_observations *o)
 {
+    const mukca_parameters *parameters = o->parameters;
     mukca_adjoint adjoint;
     sum_adjoints(&adjoint, o);
     for (int i = 0; i < parameters->n;) {
         const int k = parameters->index[i] / MUKCA_PARAMETERS;
         double dR[3][9];
-        mukca_sweep_element_derivative(dR, theta + 6 * k + 3, kind);
+        mukca_sweep_element_derivative(dR, o->theta + 6 * k + 3, o->kind);
         for (; i < parameters->n && parameters->index[i] / MUKCA_PARAMETERS == k; i++) {
             const int parameter = parameters->index[i] % MUKCA_PARAMETERS;
             gradient[i] = parameter < 3 ? adjoint.sum[k][parameter] : 0;

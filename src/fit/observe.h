@@ -13,6 +13,9 @@
 
 typedef struct {
     mukca_sweep sweep;
+    const mukca_parameters *parameters; /* free ones, of gradient and Jacobian */
+    mukca_gradient kind;                /* method of an element's derivative */
+    const double *theta;                /* of the last prediction */
     int n_rows, n_sockets, n_pairs;
     int n_groups;          /* placements with samples, plus one if there are measured poses */
     int n_residuals;       /* rows of the Jacobian */
@@ -46,7 +49,8 @@ static inline double *mukca_observe_window(double *residual, const mukca_sweep *
     return residual + 3L * sweep->from;
 }
 
-/* Compute the residuals at theta[6 * n_elements]; stored in `observations`. */
+/* Compute the residuals at theta[6 * n_elements], which the gradient refers to; stored in
+ * `observations`. */
 void mukca_observe_predict(mukca_observations *observations, const double *theta);
 
 /* Sum of squares of residuals [windows][3][padded], weighted by weight[n_rows] (NULL: not). */
@@ -55,9 +59,7 @@ double mukca_observe_sum(mukca_observations *observations, double *residual, con
 /* Sum of the squares, m^2, of the samples, weighted or not, and of the pairs (NULL: not wanted). */
 double mukca_observe_squares(double *pairs, mukca_observations *observations, bool weighted);
 
-/* gradient[n] of the weighted sum with respect to the free parameters; theta must be that of the
- * last prediction. */
-void mukca_observe_gradient(double *gradient, mukca_observations *observations, const double *theta,
-                            const mukca_parameters *parameters, mukca_gradient kind);
+/* gradient[n] of the weighted sum with respect to the free parameters. */
+void mukca_observe_gradient(double *gradient, mukca_observations *observations);
 
 #endif
