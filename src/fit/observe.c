@@ -146,18 +146,18 @@ static void pair_adjoint(double add[3], const mukca_observations *o, int s)
     }
 }
 
-/* Adjoints of the positions in the open window, summed by element. */
-static void add_positions(mukca_adjoint *adjoint, mukca_observations *o)
+void mukca_observe_adjoint(mukca_adjoint *adjoint, mukca_observations *o, double *residual,
+                           const double *weight, double factor, const double *of_socket)
 {
     mukca_sweep *s = &o->sweep;
-    const double *residual = mukca_observe_window(o->residual, s);
+    const double *r = mukca_observe_window(residual, s);
     double *h = s->h;
     memset(h, 0, 3 * (size_t)s->padded * sizeof *h);
     for (int i = 0; i < s->rows; i++) {
-        const int row = s->from + i, at = o->socket[row];
+        const int row = s->from + i, at = of_socket ? o->socket[row] : -1;
         for (int a = 0; a < 3; a++)
-            h[a * s->padded + i] = 2 * o->row_weight[row] * residual[a * s->padded + i] +
-                                   (at >= 0 ? o->socket_adjoint[3 * at + a] : 0);
+            h[a * s->padded + i] = 2 * weight[row] * factor * r[a * s->padded + i] +
+                                   (at >= 0 ? of_socket[3 * at + a] : 0);
     }
     mukca_sweep_backward(adjoint, s);
 }
@@ -168,7 +168,7 @@ static void sum_adjoints(mukca_adjoint *adjoint, mukca_observations *o)
     memset(adjoint, 0, sizeof *adjoint);
     for (int v = 0; mukca_sweep_open(&o->sweep, v); v++) {
         if (o->sweep.n_windows > 1) mukca_sweep_forward(&o->sweep); /* else still valid */
-        add_positions(adjoint, o);
+        mukca_observe_adjoint(adjoint, o, o->residual, o->row_weight, 1, o->socket_adjoint);
     }
 }
 

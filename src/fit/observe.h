@@ -59,6 +59,12 @@ double mukca_observe_sum(mukca_observations *observations, double *residual, con
 /* Sum of the squares, m^2, of the samples, weighted or not, and of the pairs (NULL: not wanted). */
 double mukca_observe_squares(double *pairs, mukca_observations *observations, bool weighted);
 
+/* Add the adjoints of residuals [windows][3][padded] in the open window: 2 factor weight[row] times
+ * each, plus of_socket[n_sockets][3] (NULL: nothing). */
+void mukca_observe_adjoint(mukca_adjoint *adjoint, mukca_observations *observations,
+                           double *residual, const double *weight, double factor,
+                           const double *of_socket);
+
 /* gradient[n] of the weighted sum with respect to the free parameters. */
 void mukca_observe_gradient(double *gradient, mukca_observations *observations);
 

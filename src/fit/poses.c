@@ -165,26 +165,14 @@ double mukca_orientations_squares(mukca_observations *o, bool weighted)
     return mukca_observe_sum(o, o->turn_residual, weighted ? o->turn_weight : NULL);
 }
 
-/* Adjoints in the open window, summed by element. */
-static void add_window(mukca_adjoint *adjoint, mukca_observations *o)
-{
-    mukca_sweep *s = &o->sweep;
-    const double *residual = mukca_observe_window(o->turn_residual, s);
-    double *h = s->h;
-    memset(h, 0, 3 * (size_t)s->padded * sizeof *h);
-    for (int i = 0; i < s->rows; i++)
-        for (int a = 0; a < 3; a++)
-            h[a * s->padded + i] = 2 * o->turn_weight[s->from + i] * MUKCA_METRES_PER_RADIAN *
-                                   residual[a * s->padded + i];
-    mukca_sweep_backward(adjoint, s);
-}
-
 void mukca_orientations_gradient(double *gradient, mukca_observations *o)
 {
     const mukca_parameters *parameters = o->parameters;
     mukca_adjoint adjoint = {0};
     if (!o->turn_weight) return;
-    for (int v = 0; mukca_sweep_open(&o->sweep, v); v++) add_window(&adjoint, o);
+    for (int v = 0; mukca_sweep_open(&o->sweep, v); v++)
+        mukca_observe_adjoint(&adjoint, o, o->turn_residual, o->turn_weight,
+                              MUKCA_METRES_PER_RADIAN, NULL);
     for (int i = 0; i < parameters->n;) {
         const int k = parameters->index[i] / MUKCA_PARAMETERS;
         double dR[3][9], R[9], omega[3];
