@@ -111,15 +111,8 @@ void mukca_cost_normal(double *H, mukca_cost *cost, const double *x, bool data_o
 
 /* ---- solvers ---- */
 
-const char *mukca_stop_text(mukca_stop stop)
-{
-    static const char *const text[] = {
 #define STOP_TEXT(name, text) text,
-        MUKCA_STOP_LIST(STOP_TEXT)
-#undef STOP_TEXT
-    };
-    return text[stop];
-}
+const char *const mukca_stop_text[] = {MUKCA_STOP_LIST(STOP_TEXT)};
 
 double mukca_solver_goal(double cost)
 {

@@ -8,6 +8,15 @@
 #include "fit/solver.h"
 #include "math/dense.h"
 
+/* Relative tolerance of the rank: smaller singular values, relative to the largest, count as zero.
+ */
+static const double rank_tolerance = 1e-7;
+
+/* A parameter is identifiable if its component in every unit vector of the null space is below
+ * this: moving 10 mm or mrad along the null space changes the parameter by less than 10 um or
+ * urad. */
+static const double hidden_share = 1e-3;
+
 /* Fraction of a socket's samples, or of the poses (-1), that is in the part. */
 static double share_in_part(const mukca_cost *cost, int socket)
 {
@@ -104,7 +113,7 @@ static void standard_errors(mukca_identification *id, const double *V, const dou
         }
         for (int j = 0; j < n; j++)
             for (int k = 0; k < n; k++) variance += row[j] * B[j * n + k] * row[k];
-        id->identifiable[i] = hidden < MUKCA_HIDDEN_SHARE * MUKCA_HIDDEN_SHARE;
+        id->identifiable[i] = hidden < hidden_share * hidden_share;
         id->sigma[i] = id->identifiable[i] ? id->noise * sqrt(fmax(variance, 0)) : HUGE_VAL;
     }
 }
@@ -134,8 +143,7 @@ mukca_status mukca_identify(mukca_identification *id, mukca_cost *cost, const do
     for (int i = 1; i < n; i++) memmove(R + i * n, R + i * (n + 3), (size_t)n * sizeof *R);
     if (!mukca_dense_svd(R, s, V, n))
         return mukca_fail(error, MUKCA_INPUT, "the model's derivatives are not finite numbers");
-    while (id->rank < n && s[id->rank] > MUKCA_RANK_TOLERANCE * s[0])
-        log_product += log(s[id->rank++]);
+    while (id->rank < n && s[id->rank] > rank_tolerance * s[0]) log_product += log(s[id->rank++]);
     id->observability = id->rank > 0 ? exp(log_product / id->rank) : 0;
     const int spare = o->n_measured - id->rank;
     id->noise = spare > 0 ? sqrt(squares / spare) : HUGE_VAL;
