@@ -7,7 +7,6 @@
 #define MUKCA_ARM_ACCEPTANCE_H
 
 #include <stdbool.h>
-#include <stddef.h>
 
 #include "base/text.h"
 
