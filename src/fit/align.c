@@ -111,11 +111,8 @@ static void place_target(mukca_alignment *a, const problem *p)
 /* Set `at` of the points to the target by the model, without the tracker. */
 static void place(const mukca_alignment *a, const problem *p)
 {
-    for (int i = 0; i < p->n; i++) {
-        mukca_meeting_point *e = &p->points[i];
-        mukca_mat3_vec(e->at, e->from.R, a->target.p);
-        for (int c = 0; c < 3; c++) e->at[c] += e->from.p[c];
-    }
+    for (int i = 0; i < p->n; i++)
+        mukca_frame_point(p->points[i].at, &p->points[i].from, a->target.p);
 }
 
 /* Bring the tracker to the points; the target's position is known. */
@@ -136,8 +133,7 @@ static double weigh(double *median, mukca_alignment *a, problem *p)
     for (int i = 0; i < p->n; i++) {
         double x[3], w[3] = {0};
         mukca_meeting_point *e = &p->points[i];
-        mukca_mat3_vec(x, a->tracker.R, e->at);
-        for (int c = 0; c < 3; c++) x[c] += a->tracker.p[c];
+        mukca_frame_point(x, &a->tracker, e->at);
         p->length[i] = mukca_distance3(x, e->to);
         if (!isnan(e->turned[0])) {
             double TF[9], turned[9];

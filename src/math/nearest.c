@@ -62,8 +62,7 @@ static void meeting_rows(double rows[6 * MEETING_ROW], const mukca_frame *base,
 {
     const double w = sqrt(p->weight), v = isnan(p->turned[0]) ? 0 : w * m->per_radian;
     double at[3], lever[3], BF[9], BFT[9], off[3] = {0};
-    mukca_mat3_vec(at, p->from.R, tool->p);
-    for (int k = 0; k < 3; k++) at[k] += p->from.p[k];
+    mukca_frame_point(at, &p->from, tool->p);
     mukca_mat3_vec(lever, base->R, at);
     mukca_mat3_mul(BF, base->R, p->from.R);
     mukca_mat3_mul(BFT, BF, tool->R);
