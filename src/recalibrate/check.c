@@ -16,7 +16,6 @@ typedef struct {
     mukca_dataset rows;
     mukca_frame nominal[PREVIEW], measured[PREVIEW];
     double work[PREVIEW];
-    int oriented;
 } preview;
 
 static mukca_status load_preview(preview *p, const mukca_dataset *log, mukca_error *error)
@@ -25,9 +24,8 @@ static mukca_status load_preview(preview *p, const mukca_dataset *log, mukca_err
     const mukca_status status = mukca_part_take(rows, log, PREVIEW, error);
     for (int i = 0; i < rows->n_rows && status == MUKCA_OK; i++) {
         memcpy(p->measured[i].p, rows->position + 3 * i, sizeof p->measured[i].p);
-        if (!mukca_pose_oriented(rows, i)) continue;
-        mukca_rotation_from_quaternion(p->measured[i].R, rows->quaternion + 4 * i);
-        p->oriented++;
+        if (mukca_pose_oriented(rows, i))
+            mukca_rotation_from_quaternion(p->measured[i].R, rows->quaternion + 4 * i);
     }
     return status;
 }
@@ -47,6 +45,7 @@ static double position_median(preview *p)
     return mukca_stats_median(p->work, n);
 }
 
+/* 0 without orientations. */
 static double rotation_median(preview *p)
 {
     int n = 0;
@@ -93,12 +92,12 @@ static mukca_status check_frames(mukca_pose_check *check, preview *p, mukca_erro
         /* prefer the tip unless another link fits much better */
         if (median < (best == HUGE_VAL ? 1 : 0.5) * best)
             best = median, check->position_element = k;
-        median = p->oriented ? rotation_median(p) : 0;
+        median = rotation_median(p);
         if (median < (best_turn == HUGE_VAL ? 1 : 0.5) * best_turn)
             best_turn = median, check->rotation_element = k;
     }
     predict_poses(p, check->position_element);
-    median = p->oriented ? rotation_median(p) : 0;
+    median = rotation_median(p);
     if (median <= 1.5 * best_turn) /* no link fits the orientations much better */
         best_turn = median, check->rotation_element = check->position_element;
     if (best > 0.1)
@@ -120,7 +119,7 @@ static mukca_status check_frames(mukca_pose_check *check, preview *p, mukca_erro
         predict_poses(p, check->position_element);
         mukca_mat3_tmul(check->turn, p->nominal[0].R, of_rotation.R);
     }
-    if (p->oriented && best_turn > 0.1)
+    if (best_turn > 0.1)
         return mukca_fail(
             error, MUKCA_INPUT,
             "the orientations differ by %.3f rad (median) from those of every link, "
