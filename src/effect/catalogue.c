@@ -163,9 +163,9 @@ const char *mukca_effect_faint(mukca_effect_kind kind, int joint)
 const char *mukca_effect_set_variant(mukca_effect *effect, const char *text, int n_joints)
 {
     const mukca_variant_ops *ops = mukca_effect_catalogue[effect->kind]->variant;
-    effect->variant = (mukca_effect_variant){0};
+    effect->variant = ops && !text ? ops->usual : (mukca_effect_variant){0};
     if (!ops && text) return "no @";
-    if (ops && text && !ops->read(&effect->variant, text)) return ops->expected;
+    if (ops && (text ? !ops->read(&effect->variant, text) : ops->required)) return ops->expected;
     if (ops && ops->complete && !ops->complete(effect, n_joints)) return ops->expected;
     effect->terms = mukca_effect_terms(effect);
     return NULL;

@@ -132,18 +132,12 @@ static void write_order(char *text, size_t size, const mukca_effect_variant *var
     mukca_print(text, size, "%d", variant->order);
 }
 
-static bool has_order(mukca_effect *effect, int n_joints)
-{
-    (void)n_joints;
-    return effect->variant.order >= 2;
-}
-
 static const mukca_variant_ops orders = {
     .key = "order",
     .expected = "@ORDER, 2 to 400",
     .read = read_order,
     .write = write_order,
-    .complete = has_order,
+    .required = true,
 };
 
 /* Ratios of strain wave and cycloidal gears in cobots, their doubles (two lobes a turn), and
