@@ -229,7 +229,7 @@ static void collect(problem *p, const mukca_geometry *geometry, const mukca_data
 {
     int n = 0;
     for (int row = 0; row < data->n_rows; row++) n += is_collected(data, options, row);
-    const int every = (n + MUKCA_MOST_SAMPLES - 1) / MUKCA_MOST_SAMPLES;
+    const int every = 1 + (n - 1) / MUKCA_MOST_SAMPLES;
     for (int row = 0, seen = 0; row < data->n_rows; row++) {
         const double *x = data->position + 3 * (size_t)row;
         if (!is_collected(data, options, row) || seen++ % every) continue;
