@@ -109,6 +109,7 @@ bool mukca_effect_candidate(mukca_effect *effect, mukca_effect_kind kind, int jo
     const mukca_effect_ops *ops = mukca_effect_catalogue[kind];
     *effect = (mukca_effect){.kind = kind, .joint = joint, .placement = -1};
     if ((ops->info.traits & MUKCA_TRAIT_PERIODIC) && !survey->joint[joint].turns) return false;
+    if ((ops->info.needs & MUKCA_NEEDS_COMMANDS) && !survey->by_command) return false;
     if (!ops->candidate || !ops->candidate(effect, survey, i)) return false;
     effect->terms = mukca_effect_terms(effect);
     return true;
