@@ -38,19 +38,14 @@ static void predict_poses(preview *p, int element)
         mukca_fk_pose(&p->nominal[i], &p->geometry, p->rows.q + i * p->rows.n_joints, NULL);
 }
 
-static double position_median(preview *p)
-{
-    const int n = p->rows.n_rows;
-    for (int i = 0; i < n; i++) p->work[i] = mukca_distance3(p->nominal[i].p, p->measured[i].p);
-    return mukca_stats_median(p->work, n);
-}
-
-/* 0 without orientations. */
-static double rotation_median(preview *p)
+/* Median error of the positions, m, or of the orientations, rad; 0 without any. */
+static double median_error(preview *p, bool rotation)
 {
     int n = 0;
     for (int i = 0; i < p->rows.n_rows; i++)
-        if (mukca_pose_oriented(&p->rows, i))
+        if (!rotation)
+            p->work[n++] = mukca_distance3(p->nominal[i].p, p->measured[i].p);
+        else if (mukca_pose_oriented(&p->rows, i))
             p->work[n++] = mukca_rotation_between(p->nominal[i].R, p->measured[i].R);
     return mukca_stats_median(p->work, n);
 }
@@ -88,16 +83,16 @@ static mukca_status check_frames(mukca_pose_check *check, preview *p, mukca_erro
     double best = HUGE_VAL, best_turn = HUGE_VAL, median;
     for (int k = last; k >= 0; k--) {
         predict_poses(p, k);
-        median = position_median(p);
+        median = median_error(p, false);
         /* prefer the tip unless another link fits much better */
         if (median < (best == HUGE_VAL ? 1 : 0.5) * best)
             best = median, check->position_element = k;
-        median = rotation_median(p);
+        median = median_error(p, true);
         if (median < (best_turn == HUGE_VAL ? 1 : 0.5) * best_turn)
             best_turn = median, check->rotation_element = k;
     }
     predict_poses(p, check->position_element);
-    median = rotation_median(p);
+    median = median_error(p, true);
     if (median <= 1.5 * best_turn) /* no link fits the orientations much better */
         best_turn = median, check->rotation_element = check->position_element;
     if (best > 0.1)
