@@ -65,6 +65,9 @@ void mukca_dense_qr_absorb(double *R, double *A, int m, int n, int k);
 /* x[n] of least squares from R[n][n + 1]; 0 where nothing determines it. */
 void mukca_dense_qr_solve(double *x, const double *R, int n);
 
+/* R := exp([w]x) R, or R exp([w]x) with `own_axes`. */
+void mukca_rotation_turn(double R[9], const double w[3], bool own_axes);
+
 /* The pose that brings n points `from` nearest to the points `to`; `stride` numbers from one point
  * to the next. */
 void mukca_frame_nearest(mukca_frame *pose, const double *to, const double *from, int stride,
