@@ -43,11 +43,11 @@ static void score_covariance(double *B, mukca_cost *cost)
     for (int i = 0; i < rows; i++)
         for (int p = 0; p < o->n_pairs; p++) {
             const int s = o->socket[i];
-            const int sign = (o->pair[2 * p] == s) - (o->pair[2 * p + 1] == s);
+            const int sign = (o->pair[p].a == s) - (o->pair[p].b == s);
             if (s < 0 || sign == 0) continue;
             const double weight = sqrt(share_in_part(cost, s));
             for (int a = 0; a < 3; a++) {
-                const double f = weight * sign * o->pair_direction[3 * p + a] / o->count[s];
+                const double f = weight * sign * o->pair[p].direction[a] / o->count[s];
                 for (int c = 0; c < n; c++)
                     part->J[(3 * i + a) * n + c] += f * part->J[(first_pair + p) * n + c];
             }

@@ -27,9 +27,8 @@ static void load(mukca_observations *o, const mukca_dataset *data)
     for (int d = 0; d < data->n_distances; d++) {
         const int a = data->distances[d].a, b = data->distances[d].b;
         if (!(o->count[a] > 0 && o->count[b] > 0)) continue;
-        o->pair[2 * o->n_pairs] = a;
-        o->pair[2 * o->n_pairs + 1] = b;
-        o->pair_distance[o->n_pairs++] = data->distances[d].distance;
+        o->pair[o->n_pairs++] =
+            (mukca_observed_pair){.a = a, .b = b, .distance = data->distances[d].distance};
     }
     o->n_measured += o->n_pairs;
     o->n_residuals = 3 * o->n_rows + o->n_pairs;
@@ -38,7 +37,7 @@ static void load(mukca_observations *o, const mukca_dataset *data)
 bool mukca_observe_setup(mukca_observations *o, mukca_pool *pool, const mukca_chain *chain,
                          const mukca_dataset *data)
 {
-    const int n = data->n_rows, sockets = data->n_sockets, pairs = data->n_distances;
+    const int n = data->n_rows, sockets = data->n_sockets;
     *o = (mukca_observations){.n_rows = n, .n_sockets = sockets};
     mukca_sweep_take(&o->sweep, pool, chain, n);
     o->socket = MUKCA_TAKE(pool, int, n);
@@ -47,10 +46,7 @@ bool mukca_observe_setup(mukca_observations *o, mukca_pool *pool, const mukca_ch
     o->mean = MUKCA_TAKE(pool, double, 3 * sockets);
     o->socket_weight = MUKCA_TAKE(pool, double, sockets);
     o->socket_adjoint = MUKCA_TAKE(pool, double, 3 * sockets);
-    o->pair = MUKCA_TAKE(pool, int, 2 * pairs);
-    o->pair_distance = MUKCA_TAKE(pool, double, pairs);
-    o->pair_residual = MUKCA_TAKE(pool, double, pairs);
-    o->pair_direction = MUKCA_TAKE(pool, double, 3 * pairs);
+    o->pair = MUKCA_TAKE(pool, mukca_observed_pair, data->n_distances);
     o->residual = MUKCA_TAKE(pool, double, 3 * (n + MUKCA_SWEEP_PADDING));
     if (pool->failed) return false;
 
@@ -61,13 +57,13 @@ bool mukca_observe_setup(mukca_observations *o, mukca_pool *pool, const mukca_ch
 
 static void predict_pairs(mukca_observations *o)
 {
-    for (int p = 0; p < o->n_pairs; p++) {
-        const double *a = o->mean + 3 * o->pair[2 * p], *b = o->mean + 3 * o->pair[2 * p + 1];
-        double *u = o->pair_direction + 3 * p;
+    for (mukca_observed_pair *p = o->pair; p < o->pair + o->n_pairs; p++) {
+        const double *a = o->mean + 3 * p->a, *b = o->mean + 3 * p->b;
+        double *u = p->direction;
         for (int i = 0; i < 3; i++) u[i] = a[i] - b[i];
         const double length = mukca_norm3(u);
         for (int i = 0; i < 3; i++) u[i] = length > 0 ? u[i] / length : 0;
-        o->pair_residual[p] = length - o->pair_distance[p];
+        p->residual = length - p->distance;
     }
 }
 
@@ -131,7 +127,7 @@ double mukca_observe_squares(double *pairs, mukca_observations *o, bool weighted
 {
     if (pairs) *pairs = 0;
     for (int p = 0; pairs && p < o->n_pairs; p++)
-        *pairs += o->pair_residual[p] * o->pair_residual[p];
+        *pairs += o->pair[p].residual * o->pair[p].residual;
     return mukca_observe_sum(o, o->residual, weighted ? o->row_weight : NULL);
 }
 
@@ -139,10 +135,10 @@ double mukca_observe_squares(double *pairs, mukca_observations *o, bool weighted
 static void pair_adjoint(double add[3], const mukca_observations *o, int s)
 {
     add[0] = add[1] = add[2] = 0;
-    for (int p = 0; p < o->n_pairs; p++) {
-        const int sign = (o->pair[2 * p] == s) - (o->pair[2 * p + 1] == s);
-        const double f = 2 * sign * o->pair_residual[p] / o->count[s];
-        for (int a = 0; a < 3; a++) add[a] += f * o->pair_direction[3 * p + a];
+    for (const mukca_observed_pair *p = o->pair; p < o->pair + o->n_pairs; p++) {
+        const int sign = (p->a == s) - (p->b == s);
+        const double f = 2 * sign * p->residual / o->count[s];
+        for (int a = 0; a < 3; a++) add[a] += f * p->direction[a];
     }
 }
 

@@ -11,6 +11,13 @@
 #include "fit/sweep.h"
 #include "model/dataset.h"
 
+/* A known distance between two sockets, m. */
+typedef struct {
+    int a, b;
+    double distance, residual;
+    double direction[3]; /* unit, from b to a */
+} mukca_observed_pair;
+
 typedef struct {
     mukca_sweep sweep;
     const mukca_parameters *parameters; /* free ones, of gradient and Jacobian */
@@ -25,13 +32,10 @@ typedef struct {
     double *count;         /* [n_sockets] samples of each */
     double *socket_weight; /* [n_sockets] `row_weight` of their samples */
     double *mean;          /* [n_sockets][3] of the predictions in use */
-    int *pair;             /* [n_pairs][2] */
-    double *pair_distance; /* [n_pairs] known, m */
-    double *pair_residual; /* [n_pairs] */
-    double *pair_direction; /* [n_pairs][3] unit, from b to a */
-    double *residual;       /* [windows][3][padded] */
-    double *socket_adjoint; /* [n_sockets][3] of the pairs, for each sample of a socket */
-    double *mean_rows;      /* [n_sockets][3][n] means of the Jacobian */
+    mukca_observed_pair *pair; /* [n_pairs] */
+    double *residual;          /* [windows][3][padded] */
+    double *socket_adjoint;    /* [n_sockets][3] of the pairs, for each sample of a socket */
+    double *mean_rows;         /* [n_sockets][3][n] means of the Jacobian */
     /* of mukca_poses_add; NULL: no measured poses */
     const double *target, *aim; /* positions and quaternions of the dataset */
     double *turn_weight;        /* [n_rows] as `row_weight` */

@@ -251,9 +251,9 @@ static void jacobian_of(double *J, mukca_observations *o)
             finish_rows(J + 3 * i * n, JO ? JO + 3 * i * n : NULL, o, (int)n, i);
     double *row = J + (o->turn_weight ? 6 : 3) * o->n_rows * n;
     for (int p = 0; p < o->n_pairs; p++, row += n) {
-        const double *a = o->mean_rows + 3 * o->pair[2 * p] * n;
-        const double *b = o->mean_rows + 3 * o->pair[2 * p + 1] * n;
-        const double *u = o->pair_direction + 3 * p;
+        const double *a = o->mean_rows + 3 * o->pair[p].a * n,
+                     *b = o->mean_rows + 3 * o->pair[p].b * n;
+        const double *u = o->pair[p].direction;
         for (int c = 0; c < n; c++)
             row[c] = u[0] * (a[c] - b[c]) + u[1] * (a[n + c] - b[n + c]) +
                      u[2] * (a[2 * n + c] - b[2 * n + c]);
@@ -274,7 +274,7 @@ void mukca_observe_residuals(double *r, double *J, mukca_observations *o, const 
         for (int i = 0; i < s->rows && residual; i++)
             for (int a = 0; a < 3; a++) r[3 * (n + s->from + i) + a] = residual[a * s->padded + i];
     }
-    memcpy(r + (o->turn_weight ? 6 : 3) * n, o->pair_residual,
-           (size_t)o->n_pairs * sizeof *o->pair_residual);
+    r += (o->turn_weight ? 6 : 3) * n;
+    for (int p = 0; p < o->n_pairs; p++) r[p] = o->pair[p].residual;
     if (J) jacobian_of(J, o);
 }
