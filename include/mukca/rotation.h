@@ -100,13 +100,6 @@ static inline double mukca_dot3(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* y = R x + p */
-static inline void mukca_frame_point(double y[3], const mukca_frame *T, const double x[3])
-{
-    mukca_mat3_vec(y, T->R, x);
-    for (int i = 0; i < 3; i++) y[i] += T->p[i];
-}
-
 static inline double mukca_norm3(const double a[3])
 {
     return sqrt(mukca_dot3(a, a));

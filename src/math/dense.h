@@ -68,6 +68,13 @@ void mukca_dense_qr_solve(double *x, const double *R, int n);
 /* R := exp([w]x) R, or R exp([w]x) with `own_axes`. */
 void mukca_rotation_turn(double R[9], const double w[3], bool own_axes);
 
+/* y = R x + p */
+static inline void mukca_frame_point(double y[3], const mukca_frame *T, const double x[3])
+{
+    mukca_mat3_vec(y, T->R, x);
+    for (int i = 0; i < 3; i++) y[i] += T->p[i];
+}
+
 /* The pose that brings n points `from` nearest to the points `to`; `stride` numbers from one point
  * to the next. */
 void mukca_frame_nearest(mukca_frame *pose, const double *to, const double *from, int stride,

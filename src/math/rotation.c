@@ -40,6 +40,7 @@ void mukca_frame_multiply(mukca_frame *C, const mukca_frame *A, const mukca_fram
 {
     mukca_frame out;
     mukca_mat3_mul(out.R, A->R, B->R);
-    mukca_frame_point(out.p, A, B->p);
+    mukca_mat3_vec(out.p, A->R, B->p);
+    for (int i = 0; i < 3; i++) out.p[i] += A->p[i];
     *C = out;
 }
