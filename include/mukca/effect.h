@@ -208,12 +208,12 @@ void mukca_effect_basis(double basis[MUKCA_MAX_TERMS][3], const mukca_effect *ef
 void mukca_effect_direction(double *direction, int n_joints, const mukca_effect *effect,
                             const mukca_joint_state *state);
 
-/* Displacement by `n` effects at configuration q, with the gravity moments of the arm in static
- * equilibrium (rounds of a fixed point: within 0.1 um for real arms).  `state` supplies move,
- * time, placement, command, payload_kg (may be NULL: all zero). */
+/* Displacement by `n` effects at the configuration state->q, with the gravity moments of the arm in
+ * static equilibrium (rounds of a fixed point: within 0.1 um for real arms).  `state` also supplies
+ * move, time, placement, command, payload_kg. */
 void mukca_effects_displacement(mukca_displacement *displacement, const mukca_effect *effects,
                                 int n, const mukca_chain *chain, const mukca_geometry *geometry,
-                                const double *q, const mukca_joint_state *state);
+                                const mukca_joint_state *state);
 
 /* Set variant and terms from text ("160", "300mNm", "turning2"; NULL: the usual variant), for an
  * effect whose kind and joint are set.  Returns NULL, or a description of the expected text. */

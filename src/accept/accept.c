@@ -341,7 +341,7 @@ mukca_status mukca_accept_fit(mukca_offsets *offsets, const mukca_fit *fit,
                              .held = r->held,
                              .before = r->before,
                              .after = r->after,
-                             .stop = mukca_stop_text(fit->outcome.stop),
+                             .stop = mukca_stop_text[fit->outcome.stop],
                              .training_m = tested ? MUKCA_MEAN_NORM3 * a->noise_m : (double)NAN},
         error);
 }

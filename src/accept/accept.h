@@ -26,7 +26,7 @@ bool mukca_data_contradict(double error_m, double expected_m, double nominal_m);
  * (cross_validation.c) ---- */
 
 typedef struct {
-    const mukca_dataset *held; /* test data, else `data` */
+    const mukca_dataset *held; /* in: test data, or NULL; out: test data, else `data` */
     int folds;                 /* 0: test data; or too few samples, nothing is predicted */
     bool placements;           /* folds are placements; else blocks of consecutive samples */
     mukca_dataset data;        /* the samples, or a part of a long recording */
@@ -35,12 +35,11 @@ typedef struct {
     mukca_pool pool;
 } mukca_cross_validation;
 
-/* Errors of a fit to `data` on `test`; if it is NULL or empty, of fits by Gauss-Newton to parts of
- * the data.  Do not copy the result.  Errors: those of mukca_fit_run. */
+/* Errors of a fit to `data` on result->held; if it is NULL or empty, of fits by Gauss-Newton to
+ * parts of the data.  Do not copy the result.  Errors: those of mukca_fit_run. */
 mukca_status mukca_fit_cross_validate(mukca_cross_validation *result, const mukca_fit *fit,
                                       const mukca_chain *chain, const mukca_dataset *data,
-                                      const mukca_dataset *test, const mukca_fit_options *options,
-                                      mukca_error *error);
+                                      const mukca_fit_options *options, mukca_error *error);
 void mukca_cross_validation_free(mukca_cross_validation *result);
 
 /* ---- expected error of the tip: the posterior of an offsets table, and of the model that it

@@ -45,7 +45,7 @@ static int assign(int *fold, bool *placements, mukca_pool *pool, const mukca_dat
 
 /* Errors of the held-out samples by the nominal model, with the frames aligned to `train`, and by
  * the fit. */
-static mukca_status predict(double *before, double *after, const mukca_fit *fit,
+static mukca_status predict(double *const errors[2], const mukca_fit *fit,
                             const mukca_dataset *train, const mukca_dataset *held,
                             const mukca_fit_options *options, mukca_error *error)
 {
@@ -54,8 +54,8 @@ static mukca_status predict(double *before, double *after, const mukca_fit *fit,
                       fitted = {.chain = &fit->chain, .theta = fit->theta};
     const mukca_status status = mukca_frames_start(start, &fit->chain, train, options->free_base,
                                                    options->free_tool, error);
-    if (status == MUKCA_OK && (!mukca_evaluate_rows(before, &nominal, held) ||
-                               !mukca_evaluate_rows(after, &fitted, held)))
+    if (status == MUKCA_OK && (!mukca_evaluate_rows(errors[0], &nominal, held) ||
+                               !mukca_evaluate_rows(errors[1], &fitted, held)))
         return mukca_fail(error, MUKCA_MEMORY, "out of memory");
     return status;
 }
@@ -68,7 +68,7 @@ static mukca_status predict_fold(mukca_cross_validation *r, const int *fold, int
     const int rows = r->data.n_rows;
     mukca_pool pool = {0};
     unsigned char *keep = MUKCA_TAKE(&pool, unsigned char, rows);
-    double *errors = MUKCA_TAKE(&pool, double, 2 * rows);
+    double *const errors[2] = {MUKCA_TAKE(&pool, double, rows), MUKCA_TAKE(&pool, double, rows)};
     mukca_dataset part[2] = {{0}};
     mukca_fit *fit = MUKCA_TAKE(&pool, mukca_fit, 1);
     mukca_status status = pool.failed ? mukca_fail(error, MUKCA_MEMORY, "out of memory") : MUKCA_OK;
@@ -77,12 +77,11 @@ static mukca_status predict_fold(mukca_cross_validation *r, const int *fold, int
         status = mukca_dataset_subset(&part[held], &r->data, keep, error);
     }
     if (status == MUKCA_OK) status = mukca_fit_run(fit, chain, &part[0], options, error);
-    if (status == MUKCA_OK)
-        status = predict(errors, errors + rows, fit, &part[0], &part[1], options, error);
+    if (status == MUKCA_OK) status = predict(errors, fit, &part[0], &part[1], options, error);
     for (int i = 0, k = 0; i < rows && status == MUKCA_OK; i++) {
         if (fold[i] != f) continue;
-        r->before[i] = errors[k];
-        r->after[i] = errors[rows + k++];
+        r->before[i] = errors[0][k];
+        r->after[i] = errors[1][k++];
     }
     for (int held = 0; held < 2; held++) mukca_dataset_free(&part[held]);
     mukca_pool_free(&pool);
@@ -112,23 +111,23 @@ void mukca_cross_validation_free(mukca_cross_validation *r)
 
 mukca_status mukca_fit_cross_validate(mukca_cross_validation *r, const mukca_fit *fit,
                                       const mukca_chain *chain, const mukca_dataset *data,
-                                      const mukca_dataset *test, const mukca_fit_options *options,
-                                      mukca_error *error)
+                                      const mukca_fit_options *options, mukca_error *error)
 {
-    const bool tested = test && test->n_rows > 0;
+    const bool tested = r->held && r->held->n_rows > 0;
     mukca_status status = MUKCA_OK;
     mukca_fit_options inner = *options;
     inner.start = fit->theta;
     inner.solver = NULL;
     inner.parameters_only = true;
-    *r = (mukca_cross_validation){.held = tested ? test : &r->data};
+    *r = (mukca_cross_validation){.held = tested ? r->held : &r->data};
     if (!tested) MUKCA_TRY(mukca_part_take(&r->data, data, MUKCA_MOST_SAMPLES, error));
     r->before = MUKCA_TAKE(&r->pool, double, r->held->n_rows);
     r->after = MUKCA_TAKE(&r->pool, double, r->held->n_rows);
     if (r->pool.failed)
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
     else if (tested)
-        status = predict(r->before, r->after, fit, data, test, options, error);
+        status =
+            predict((double *const[]){r->before, r->after}, fit, data, r->held, options, error);
     else
         status = predict_folds(r, chain, &inner, error);
     if (status != MUKCA_OK) mukca_cross_validation_free(r);

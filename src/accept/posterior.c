@@ -108,10 +108,7 @@ static mukca_status create(mukca_arm_posterior *p, const mukca_tip_change_task *
     memset(p, 0, sizeof *p);
     p->task = task;
     p->chain = *task->chain;
-    if (task->base_frame) { /* the frame of the measurement before the arm */
-        mukca_chain_remove_first(&p->chain);
-        p->skip = MUKCA_PARAMETERS;
-    }
+    if (task->base_frame) mukca_chain_remove_first(&p->chain); /* of the measurement */
     MUKCA_TRY(mukca_part_take(&p->data, task->data, MUKCA_MOST_SAMPLES, error));
     free(p->data.quaternion); /* their convention may be wrong */
     free(p->data.effort);     /* the table's effects are for the model's masses */

@@ -12,7 +12,6 @@
 typedef struct {
     const mukca_tip_change_task *task;
     mukca_chain chain; /* without the frame of the measurement before it */
-    int skip;          /* parameters of that frame in a table */
     mukca_dataset data;
     mukca_regression m;    /* at the posterior mean, with the factor of its precision */
     double *weight;        /* [n_rows] of Student's noise */

@@ -123,11 +123,12 @@ static bool draw(mukca_tip_error *out, mukca_arm_posterior *p, const mukca_chain
     double *q = MUKCA_TAKE(&p->pool, double, PROBES *joints);
     const mukca_tip_change_task *task = p->task;
     const mukca_offsets *const model[2] = {task->from, task->to};
+    const int skip = task->base_frame ? MUKCA_PARAMETERS : 0; /* in their theta */
     mukca_geometry *geometry = MUKCA_TAKE(&p->pool, mukca_geometry, 2);
     mukca_random random = mukca_random_seeded(1);
     if (p->pool.failed) return false;
     for (int k = 0; k < 2; k++)
-        mukca_geometry_set(&geometry[k], &p->chain, model[k] ? model[k]->theta + p->skip : NULL);
+        mukca_geometry_set(&geometry[k], &p->chain, model[k] ? model[k]->theta + skip : NULL);
     for (int i = 0; i < PROBES; i++) mukca_posture_draw(q + i * joints, range, &random);
     if (!mukca_arm_posterior_probe(X, w, p, q, PROBES)) return false;
     for (int i = 0; i < PROBES; i++)

@@ -6,21 +6,13 @@
 
 #include "base/number.h"
 
-const mukca_acceptance_number mukca_acceptance_numbers[] = {
-#define NUMBER(key) {#key, offsetof(mukca_acceptance, key)},
-    MUKCA_ACCEPTANCE_LIST(NUMBER)
-#undef NUMBER
-        {NULL, 0}};
-
-static double *number(mukca_acceptance *a, int i)
-{
-    return (double *)(void *)((char *)a + mukca_acceptance_numbers[i].offset);
-}
+#define KEY(key) #key,
+const char *const mukca_acceptance_key[MUKCA_ACCEPTANCE_NUMBERS] = {MUKCA_ACCEPTANCE_LIST(KEY)};
 
 void mukca_acceptance_init(mukca_acceptance *a)
 {
     memset(a, 0, sizeof *a);
-    for (int i = 0; mukca_acceptance_numbers[i].key; i++) *number(a, i) = NAN;
+    for (int i = 0; i < MUKCA_ACCEPTANCE_NUMBERS; i++) a->number[i] = NAN;
 }
 
 static void refuse(mukca_acceptance *a, const char *reason)
@@ -56,8 +48,8 @@ void mukca_acceptance_read(mukca_acceptance *a, const char *line)
     if (text) mukca_print(a->error_of, sizeof a->error_of, "%.63s", text);
     text = value_of(line, "joints_at_rest");
     if (text) mukca_print(a->at_rest, sizeof a->at_rest, "%.95s", text);
-    for (int i = 0; mukca_acceptance_numbers[i].key; i++) {
-        text = value_of(line, mukca_acceptance_numbers[i].key);
-        if (text && !mukca_number_parse(number(a, i), text)) *number(a, i) = NAN;
+    for (int i = 0; i < MUKCA_ACCEPTANCE_NUMBERS; i++) {
+        text = value_of(line, mukca_acceptance_key[i]);
+        if (text && !mukca_number_parse(&a->number[i], text)) a->number[i] = NAN;
     }
 }

@@ -7,7 +7,6 @@
 #define MUKCA_ARM_ACCEPTANCE_H
 
 #include <stdbool.h>
-#include <stddef.h>
 
 #include "base/text.h"
 
@@ -35,26 +34,33 @@
     X(largest_offset_m)   /* largest change of a length parameter */                       \
     X(largest_offset_rad) /* of an angle parameter; without frames of measurement */
 
-enum { MUKCA_ACCEPTANCE_TEXT = 512, MUKCA_ACCEPTANCE_SENTENCE = 1280 };
+enum {
+#define MUKCA_ACCEPTANCE_ENUM(key) MUKCA_ACCEPTANCE_##key,
+    MUKCA_ACCEPTANCE_LIST(MUKCA_ACCEPTANCE_ENUM)
+#undef MUKCA_ACCEPTANCE_ENUM
+        MUKCA_ACCEPTANCE_NUMBERS,
+    MUKCA_ACCEPTANCE_SENTENCE = 1280
+};
 
 typedef struct {
     bool given; /* false: there is no verdict */
     bool accepted, converged;
-    bool intact;                        /* the table that was read matches its digest */
-    char reason[MUKCA_ACCEPTANCE_TEXT]; /* reason of the refusal and remedy; empty if accepted */
-    char error_of[64];                  /* samples of the error: "cross-validation, 3 folds" */
-    char at_rest[96];                   /* joints that did not move: "joint_6, joint_7" */
+    bool intact;       /* the table that was read matches its digest */
+    char reason[512];  /* reason of the refusal and remedy; empty if accepted */
+    char error_of[64]; /* samples of the error: "cross-validation, 3 folds" */
+    char at_rest[96];  /* joints that did not move: "joint_6, joint_7" */
+    union {
+        struct {
 #define MUKCA_ACCEPTANCE_MEMBER(key) double key;
-    MUKCA_ACCEPTANCE_LIST(MUKCA_ACCEPTANCE_MEMBER)
+            MUKCA_ACCEPTANCE_LIST(MUKCA_ACCEPTANCE_MEMBER)
 #undef MUKCA_ACCEPTANCE_MEMBER
+        };
+        double number[MUKCA_ACCEPTANCE_NUMBERS]; /* the same */
+    };
 } mukca_acceptance;
 
-/* Offsets of the numbers by key; ended by a NULL key. */
-typedef struct {
-    const char *key;
-    size_t offset; /* of the double within mukca_acceptance */
-} mukca_acceptance_number;
-extern const mukca_acceptance_number mukca_acceptance_numbers[];
+/* Keys of the numbers. */
+extern const char *const mukca_acceptance_key[MUKCA_ACCEPTANCE_NUMBERS];
 
 /* Initialise without verdict, numbers NaN. */
 void mukca_acceptance_init(mukca_acceptance *acceptance);

@@ -97,7 +97,7 @@ static void fit_screw(double *turn, double *shift, pair *p)
 /* Compute and remove the difference of the axes; the remaining motion is carried on. */
 static void remove_difference(mukca_axis_difference *out, pair *p)
 {
-    double w[3], Q[9], off[3], from[3], level[9];
+    double w[3], off[3], from[3];
     for (int i = 0; i < 3; i++) from[i] = p->b.p[i] - p->a.p[i];
     across(off, p->axis[1], from);
     mukca_cross(w, p->axis[1], p->axis[0]);
@@ -105,9 +105,8 @@ static void remove_difference(mukca_axis_difference *out, pair *p)
     out->angle = atan2(s, mukca_dot3(p->axis[1], p->axis[0]));
     out->distance = p->slides ? (double)NAN : mukca_norm3(off);
     for (int i = 0; i < 3; i++) w[i] *= s > 0 ? out->angle / s : 0;
-    mukca_rotation_exp(Q, w);
-    mukca_mat3_mul(level, Q, p->b.R);
-    mukca_mat3_tmul(p->carried.R, p->a.R, level);
+    mukca_rotation_turn(p->b.R, w, false);
+    mukca_mat3_tmul(p->carried.R, p->a.R, p->b.R);
     if (!p->slides)
         for (int i = 0; i < 3; i++) from[i] = along * p->axis[0][i];
     mukca_mat3_tvec(p->carried.p, p->a.R, from);

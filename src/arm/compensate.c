@@ -30,7 +30,7 @@ static void displace(mukca_displacement *displacement, const double *q, void *co
 {
     mukca_compensator *c = context;
     mukca_effects_displacement(displacement, c->arm->effects, c->arm->n_effects, &c->arm->chain,
-                               &c->arm->geometry, q, mukca_row_state_set(&c->rows, q));
+                               &c->arm->geometry, mukca_row_state_set(&c->rows, q));
 }
 
 mukca_compensation mukca_compensate_joints(double *q, mukca_compensator *c,

@@ -66,7 +66,7 @@ static void step(double *dq, const point *at, const bool *fixed, double damping,
         trace += A[a * m + a];
     }
     for (int a = 0; a < m; a++) A[a * m + a] += damping * (trace / m + 1e-12);
-    if (mukca_dense_solve(y, 1, A, m)) memset(y, 0, sizeof y);
+    if (!mukca_dense_solve(y, 1, A, m)) memset(y, 0, sizeof y);
     for (int j = 0; j < n; j++) {
         dq[j] = 0;
         for (int a = 0; a < m; a++) dq[j] += fixed[j] ? 0 : J[a * n + j] * y[a];

@@ -6,15 +6,13 @@
 
 #include "mukca/chain.h"
 
-/* Displacement by effects at q (mukca_effects_displacement and the like). */
-typedef void mukca_displace_fn(mukca_displacement *displacement, const double *q, void *context);
-
 /* Zeroed: 100 steps, 1e-9 m and rad, no effects. */
 typedef struct {
     int max_steps;
-    double tolerance;            /* m, and rad if a rotation is given */
-    mukca_displace_fn *displace; /* or NULL */
-    void *context;               /* of `displace` */
+    double tolerance; /* m, and rad if a rotation is given */
+    /* displacement by effects at q, or NULL */
+    void (*displace)(mukca_displacement *displacement, const double *q, void *context);
+    void *context; /* of `displace` */
 } mukca_inverse_options;
 
 typedef struct {

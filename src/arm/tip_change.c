@@ -19,7 +19,7 @@ void mukca_tip_pose(mukca_frame *tip, const mukca_effect *effects, int n, const 
                     const mukca_geometry *geometry, const mukca_joint_state *state)
 {
     mukca_displacement d;
-    if (n > 0) mukca_effects_displacement(&d, effects, n, chain, geometry, state->q, state);
+    if (n > 0) mukca_effects_displacement(&d, effects, n, chain, geometry, state);
     mukca_fk_pose(tip, geometry, state->q, n > 0 ? &d : NULL);
 }
 

@@ -119,9 +119,9 @@ static mukca_status judge_offsets(cli_call *call, const mukca_fit_options *wante
 {
     calibrate_work *w = call->work;
     const cli_session *s = call->session;
-    mukca_cross_validation held;
-    MUKCA_TRY(mukca_fit_cross_validate(&held, &w->fit, &s->model.chain, &s->data, &s->test, wanted,
-                                       &call->error));
+    mukca_cross_validation held = {.held = &s->test};
+    MUKCA_TRY(
+        mukca_fit_cross_validate(&held, &w->fit, &s->model.chain, &s->data, wanted, &call->error));
     const mukca_status status =
         mukca_accept_fit(&w->offsets, &w->fit, &held, &s->data, wanted, &call->error);
     mukca_cross_validation_free(&held);

@@ -216,7 +216,7 @@ json_t *cli_calibration_json(const cli_call *call)
                      KEY("gradient", cli_gradients[o->gradient]),
                      KEY("evaluations", fit->outcome.evaluations),
                      KEY("iterations", fit->outcome.iterations),
-                     KEY("status", mukca_stop_text(fit->outcome.stop)), FIELD(fit, to_gain))),
+                     KEY("status", mukca_stop_text[fit->outcome.stop]), FIELD(fit, to_gain))),
         KEY("cost", cli_json(KEY("nominal", cost_json(&fit->nominal)),
                              KEY("calibrated", cost_json(&fit->calibrated)))),
         KEY("train", cli_scores_json(&s->set[0], s->has_factory)),

@@ -77,7 +77,11 @@ mukca_status cli_diagnosis_run(cli_call *call, cli_diagnosis *d)
     if (status == MUKCA_MEMORY) return status;
     *error = (mukca_error){.status = MUKCA_OK};
     MUKCA_TRY(mukca_diagnose(&d->diagnosis, chain, &s->data, &d->options, error));
-    return mukca_next_poses_choose(&d->next, &d->diagnosis, chain, &s->data, cli_stop, error);
+    MUKCA_TRY(mukca_next_poses_choose(&d->next, &d->diagnosis, chain, &s->data, cli_stop, error));
+    if (d->next.left_out)
+        cli_note(call, "next postures: for the first %d sockets, without the samples of %d others",
+                 MUKCA_PLAN_MAX_SOCKETS, d->next.left_out);
+    return MUKCA_OK;
 }
 
 void cli_diagnosis_free(cli_diagnosis *d)

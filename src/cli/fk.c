@@ -23,7 +23,7 @@ static void displace(mukca_displacement *displacement, mukca_row_state *states,
     for (int p = 0; row->placement && p < offsets->n_placements; p++)
         if (strcmp(offsets->placements[p], row->placement) == 0) reading.placement = p;
     mukca_effects_displacement(displacement, offsets->effects, offsets->n_effects, &model->chain,
-                               &model->geometry, row->q, mukca_row_state_next(states, &reading));
+                               &model->geometry, mukca_row_state_next(states, &reading));
 }
 
 static void print_row(FILE *stream, bool pose, const mukca_frame *T)

@@ -107,11 +107,8 @@ json_t *cli_json_acceptance(const mukca_acceptance *a)
     }
     json_t *object = cli_json(FIELD(a, accepted), KEY("why", a->reason), FIELD(a, error_of),
                               FIELD(a, converged), KEY("joints_at_rest", rest));
-    for (const mukca_acceptance_number *n = mukca_acceptance_numbers; n->key; n++) {
-        double value;
-        memcpy(&value, (const char *)a + n->offset, sizeof value);
-        json_object_set_new(object, n->key, cli_json_real(value));
-    }
+    for (int i = 0; i < MUKCA_ACCEPTANCE_NUMBERS; i++)
+        json_object_set_new(object, mukca_acceptance_key[i], cli_json_real(a->number[i]));
     return object;
 }
 

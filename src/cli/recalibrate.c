@@ -104,7 +104,7 @@ static mukca_status judge_offsets(cli_call *call, recalibrate_work *r)
     const int n = MUKCA_PARAMETERS * all->chain.n_elements;
     const recalibrate_options *o = call->options;
     mukca_dataset kept = {0}, *log = r->log;
-    mukca_cross_validation held = {0};
+    mukca_cross_validation held = {.held = r->test_log};
     double nominal[MUKCA_MAX_THETA];
     mukca_status status = MUKCA_OK;
     mukca_fit_offsets(&r->offsets, all);
@@ -113,8 +113,7 @@ static mukca_status judge_offsets(cli_call *call, recalibrate_work *r)
                                      &r->fit->errors[MUKCA_WITH_ALL], r->log, &call->error);
     if (kept.n_rows) log = &kept;
     if (status == MUKCA_OK)
-        status = mukca_fit_cross_validate(&held, all, &r->arm, log, r->test_log, &r->fit->options,
-                                          &call->error);
+        status = mukca_fit_cross_validate(&held, all, &r->arm, log, &r->fit->options, &call->error);
     if (status == MUKCA_OK)
         status = mukca_accept_fit(&r->offsets, all, &held, log, &r->fit->options, &call->error);
     mukca_cross_validation_free(&held);

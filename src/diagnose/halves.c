@@ -155,7 +155,7 @@ static void remove_means(const splitter *s, double *gram, bool other)
             L[i] = (other ? s->ones[0][b * d * d + i] : 0) +
                    (other ? -1.0 : 1.0) * s->ones[1][b * d * d + i];
         memcpy(x, s->sum + (size_t)(b * d) * (size_t)s->width, sizeof *x * (size_t)(d * s->width));
-        if (!(L[0] > 1e-9) || mukca_dense_cholesky(L, d)) continue;
+        if (!(L[0] > 1e-9) || !mukca_dense_cholesky(L, d)) continue;
         mukca_dense_forward(x, s->width, L, d);
         for (int c = 0; c < d; c++, x += s->width)
             for (int i = 0; i < s->width; i++)

@@ -148,7 +148,7 @@ void mukca_linearisation_seat(double *seated, double r[3], int n, const mukca_ge
             A[3 * a + b] = a == b ? 1e-4 : 0; /* (1 cm per rad)^2: damps singular postures */
             for (int j = 0; j < n; j++) A[3 * a + b] += J[a * n + j] * J[b * n + j];
         }
-    if (mukca_dense_solve(r, 1, A, 3)) return;
+    if (!mukca_dense_solve(r, 1, A, 3)) return;
     for (int j = 0; j < n; j++)
         for (int c = 0; c < 3; c++) seated[j] += J[c * n + j] * r[c];
 }

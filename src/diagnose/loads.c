@@ -51,7 +51,7 @@ static void estimate_masses(mukca_recording *r)
         const double spread = a == r->payload_body ? PAYLOAD_SPREAD : MASS_SIGMA;
         right[a] += 1 / (spread * spread), normal[a * k + a] += 1 / (spread * spread);
     }
-    if (mukca_dense_solve(right, 1, normal, k)) return;
+    if (!mukca_dense_solve(right, 1, normal, k)) return;
     for (int a = 0; a < k; a++) r->mass_factor[a] = fmin(fmax(right[a], 0.3), 3.0);
 }
 

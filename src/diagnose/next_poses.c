@@ -73,7 +73,8 @@ mukca_status mukca_next_poses_choose(mukca_next_poses *next, const mukca_diagnos
     if (!mukca_next_poses_pair(next, &options, effects, d, -1)) return MUKCA_OK;
     mukca_geometry_theta(theta, chain, &d->geometry);
     mukca_geometry_set(&geometry, chain, theta);
-    const int n = mukca_plan_sockets(next->sockets, MUKCA_PLAN_MAX_SOCKETS, &geometry, data);
+    const int n =
+        mukca_plan_sockets(next->sockets, MUKCA_PLAN_MAX_SOCKETS, &next->left_out, &geometry, data);
     const mukca_plan_task task = {
         .chain = chain, .theta = theta, .data = data, .sockets = next->sockets, .n_sockets = n};
     if (n == 0) return MUKCA_OK;

@@ -11,6 +11,7 @@ typedef struct {
     int finding; /* index; -1: nothing to distinguish */
     int pair[2]; /* its alternatives that the postures distinguish */
     mukca_plan_socket sockets[MUKCA_PLAN_MAX_SOCKETS];
+    int left_out;    /* sockets with samples beyond these, which the plan ignores */
     mukca_plan plan; /* rows refer to `sockets`; zeroed if no posture distinguishes the causes */
 } mukca_next_poses;
 

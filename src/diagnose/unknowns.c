@@ -30,31 +30,24 @@ static void between(mukca_frame *C, const mukca_frame *A, const mukca_frame *B)
 
 /* Align the free frames to the nominal geometry: shared frames by the first log if other frames are
  * per log, else by all.  False: no memory. */
-static bool align_logs(mukca_unknowns *u, mukca_pool *pool, const mukca_recording *r)
+static bool align_logs(mukca_unknowns *u, const mukca_recording *r)
 {
-    const int rows = r->data->n_rows, last = r->chain->n_elements - 1;
+    const int last = r->chain->n_elements - 1;
     const bool own_tracker = u->n_trackers > 1, own_target = u->n_targets > 1;
-    unsigned char *keep = MUKCA_TAKE(pool, unsigned char, rows);
+    mukca_align_options options = {.tracker = u->free_base,
+                                   .target = u->free_tool,
+                                   .group = own_tracker || own_target ? r->log : NULL};
     mukca_alignment first, a;
-    if (!keep) return false;
-    for (int row = 0; row < rows; row++)
-        keep[row] = r->log[row] == 0 || !(own_tracker || own_target);
-    if (!mukca_align(
-            &first, &u->arm.geometry, r->data,
-            &(mukca_align_options){.tracker = u->free_base, .target = u->free_tool, .keep = keep}))
-        return false;
+    if (!mukca_align(&first, &u->arm.geometry, r->data, &options)) return false;
+    options.tracker = own_tracker, options.target = own_target;
     mukca_geometry known = u->arm.geometry; /* including the shared frames */
     if (!own_tracker) mukca_frame_multiply(&known.origin[0], &first.tracker, &known.origin[0]);
     if (!own_target) mukca_frame_multiply(&known.origin[last], &known.origin[last], &first.target);
     u->nominal_target = first.target;
     for (int g = 0; g < r->n_logs; g++) {
-        for (int row = 0; row < rows; row++) keep[row] = r->log[row] == g;
+        options.only = g;
         a = first;
-        if (g > 0 && (own_tracker || own_target) &&
-            !mukca_align(
-                &a, &known, r->data,
-                &(mukca_align_options){.tracker = own_tracker, .target = own_target, .keep = keep}))
-            return false;
+        if (g > 0 && options.group && !mukca_align(&a, &known, r->data, &options)) return false;
         u->nominal.tracker[g] = own_tracker ? a.tracker : first.tracker;
         between(&u->nominal.shift[g], &first.target, own_target ? &a.target : &first.target);
     }
@@ -76,7 +69,7 @@ bool mukca_unknowns_create(mukca_unknowns *u, mukca_pool *pool, const mukca_reco
     u->n_trackers = !u->free_base ? 0 : recording->options.base_per_log ? recording->n_logs : 1;
     u->n_targets = !u->free_tool ? 0 : recording->options.tool_per_log ? recording->n_logs : 1;
     mukca_geometry_set(&u->arm.geometry, chain, NULL);
-    if (!align_logs(u, pool, recording)) return false;
+    if (!align_logs(u, recording)) return false;
     u->arm.log = u->nominal;
     u->target = u->nominal_target;
     /* The first joint's origin moves all sockets alike: identifiable from measured poses only. */

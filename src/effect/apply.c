@@ -115,12 +115,8 @@ void mukca_effects_apply(mukca_displacement *displacement, mukca_effect_slopes *
 
 void mukca_effects_displacement(mukca_displacement *displacement, const mukca_effect *effects,
                                 int n, const mukca_chain *chain, const mukca_geometry *geometry,
-                                const double *q, const mukca_joint_state *state)
+                                const mukca_joint_state *state)
 {
-    mukca_effect_task task = {
-        .effects = effects, .n_effects = n, .chain = chain, .geometry = geometry};
-    if (state) task.state = *state;
-    if (!state) task.state.placement = -1;
-    task.state.q = q;
+    const mukca_effect_task task = {effects, n, chain, geometry, *state};
     mukca_effects_apply(displacement, NULL, &task);
 }

@@ -32,9 +32,9 @@ static bool backlash_candidate(mukca_effect *effect, const mukca_effect_survey *
 static bool read_torque(mukca_effect_variant *variant, const char *text)
 {
     double millis;
-    if (!mukca_effect_read_number(&millis, text, "mNm") || !(millis > 0)) return false;
+    if (!mukca_effect_read_number(&millis, text, "mNm")) return false;
     variant->torque_scale = 1e-3 * millis;
-    return true;
+    return variant->torque_scale > 0;
 }
 
 static void write_torque(char *text, size_t size, const mukca_effect_variant *variant)
@@ -42,19 +42,12 @@ static void write_torque(char *text, size_t size, const mukca_effect_variant *va
     mukca_print(text, size, "%.10gmNm", 1e3 * variant->torque_scale);
 }
 
-static bool complete_torque(mukca_effect *effect, int n_joints)
-{
-    (void)n_joints;
-    if (effect->variant.torque_scale == 0) effect->variant.torque_scale = 1;
-    return true;
-}
-
 static const mukca_variant_ops torque_scale = {
     .key = "torque_scale",
     .expected = "@TORQUE in mN m, above 0",
     .read = read_torque,
     .write = write_torque,
-    .complete = complete_torque,
+    .usual.torque_scale = 1,
 };
 
 const mukca_effect_ops mukca_backlash_effect = {

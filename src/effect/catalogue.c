@@ -109,6 +109,7 @@ bool mukca_effect_candidate(mukca_effect *effect, mukca_effect_kind kind, int jo
     const mukca_effect_ops *ops = mukca_effect_catalogue[kind];
     *effect = (mukca_effect){.kind = kind, .joint = joint, .placement = -1};
     if ((ops->info.traits & MUKCA_TRAIT_PERIODIC) && !survey->joint[joint].turns) return false;
+    if ((ops->info.needs & MUKCA_NEEDS_COMMANDS) && !survey->by_command) return false;
     if (!ops->candidate || !ops->candidate(effect, survey, i)) return false;
     effect->terms = mukca_effect_terms(effect);
     return true;
@@ -163,9 +164,9 @@ const char *mukca_effect_faint(mukca_effect_kind kind, int joint)
 const char *mukca_effect_set_variant(mukca_effect *effect, const char *text, int n_joints)
 {
     const mukca_variant_ops *ops = mukca_effect_catalogue[effect->kind]->variant;
-    effect->variant = (mukca_effect_variant){0};
+    effect->variant = ops && !text ? ops->usual : (mukca_effect_variant){0};
     if (!ops && text) return "no @";
-    if (ops && text && !ops->read(&effect->variant, text)) return ops->expected;
+    if (ops && (text ? !ops->read(&effect->variant, text) : ops->required)) return ops->expected;
     if (ops && ops->complete && !ops->complete(effect, n_joints)) return ops->expected;
     effect->terms = mukca_effect_terms(effect);
     return NULL;

@@ -51,8 +51,10 @@ typedef struct {
     const char *expected; /* for help and errors: "@ORDER, 2 to 400" */
     bool (*read)(mukca_effect_variant *variant, const char *text);
     void (*write)(char *text, size_t size, const mukca_effect_variant *variant);
-    /* Set the default variant if none is given (all zero); false: a variant is required, or does
-     * not exist on this arm.  NULL: all variants exist, zero is the default. */
+    mukca_effect_variant usual; /* if none is given */
+    bool required;              /* there is no usual one */
+    /* Set the usual variant of the joint if it is all zero; false: this variant does not exist
+     * there.  NULL: all variants exist. */
     bool (*complete)(mukca_effect *effect, int n_joints);
 } mukca_variant_ops;
 

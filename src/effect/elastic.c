@@ -42,9 +42,10 @@ static void link_basis(double basis[][3], const mukca_basis_input *in)
     for (int i = 0; i < 3; i++) basis[0][i] = along * in->axis[i] - moment[i];
 }
 
+/* Of a link, or of the base, which has no joint. */
 static bool link_candidate(mukca_effect *effect, const mukca_effect_survey *survey, int i)
 {
-    return i == 0 && survey->moments && survey->joint[effect->joint].turns;
+    return i == 0 && survey->moments && (effect->joint < 0 || survey->joint[effect->joint].turns);
 }
 
 const mukca_effect_ops mukca_link_bending_effect = {
@@ -65,12 +66,6 @@ static void base_basis(double basis[][3], const mukca_basis_input *in)
     for (int i = 0; i < 3 && in->state->base_moment; i++) basis[0][i] = -in->state->base_moment[i];
 }
 
-static bool base_candidate(mukca_effect *effect, const mukca_effect_survey *survey, int i)
-{
-    (void)effect;
-    return i == 0 && survey->moments;
-}
-
 const mukca_effect_ops mukca_base_compliance_effect = {
     .sizes = &mukca_sizes_spring,
     .info = {.name = "base_compliance",
@@ -80,7 +75,7 @@ const mukca_effect_ops mukca_base_compliance_effect = {
              .sentence = "the base or its table tilts under the arm's weight",
              .remedy = "stiffen the base or its table, or compensate it"},
     .basis = base_basis,
-    .candidate = base_candidate,
+    .candidate = link_candidate,
 };
 
 /* Servo sag: a position controller without integral action balances gravity torque by an error of
@@ -90,11 +85,6 @@ const mukca_effect_ops mukca_base_compliance_effect = {
  * accurate to the encoder's resolution; users of cheap arms report 30 mrad at a few N m. */
 static const mukca_effect_sizes sizes = {.usual = 4,
                                          .sigma = {30e-6, 100e-6, 300e-6, 1e-3, 3e-3, 10e-3}};
-
-static bool candidate(mukca_effect *effect, const mukca_effect_survey *survey, int i)
-{
-    return i == 0 && survey->by_command && mukca_survey_loads(survey, effect->joint);
-}
 
 const mukca_effect_ops mukca_servo_sag_effect = {
     .sizes = &sizes,
@@ -109,6 +99,6 @@ const mukca_effect_ops mukca_servo_sag_effect = {
              .remedy = "record the readings too; raise the position gain or add gravity "
                        "compensation or integral action, or compensate it"},
     .basis = spring_basis,
-    .candidate = candidate,
+    .candidate = joint_candidate,
     .untested = loaded_alike,
 };

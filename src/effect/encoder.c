@@ -4,12 +4,12 @@
 #include "base/number.h"
 #include "effect/catalogue.h"
 
-static void scale_basis(double basis[][3], const mukca_basis_input *in)
+/* Proportional to the joint's own angle, or to a neighbour's. */
+static void linear_basis(double basis[][3], const mukca_basis_input *in)
 {
-    basis[0][0] = in->state->q[in->effect->joint];
+    basis[0][0] = in->state->q[in->effect->joint + in->effect->variant.neighbour];
 }
 
-/* Proportional to the joint's own angle, or to a neighbour's. */
 static int linear_by_angle(double slope[][3], const mukca_basis_input *in, const double basis[][3])
 {
     (void)basis;
@@ -27,15 +27,10 @@ const mukca_effect_ops mukca_joint_scale_effect = {
              .traits = MUKCA_TRAIT_OWN_ANGLE | MUKCA_TRAIT_SMOOTH,
              .sentence = "the encoder counts a little too much or too little per turn",
              .remedy = "correct the encoder's counts per turn in the controller, or compensate it"},
-    .basis = scale_basis,
+    .basis = linear_basis,
     .by_angle = linear_by_angle,
     .candidate = mukca_survey_moved,
 };
-
-static void coupling_basis(double basis[][3], const mukca_basis_input *in)
-{
-    basis[0][0] = in->state->q[in->effect->joint + in->effect->variant.neighbour];
-}
 
 /* Default: the next joint; for the last joint, the preceding one. */
 static bool complete_neighbour(mukca_effect *effect, int n_joints)
@@ -86,7 +81,7 @@ const mukca_effect_ops mukca_joint_coupling_effect = {
              .sentence = "the motion of a neighbouring joint also turns this joint (belt, "
                          "differential or cable drive)",
              .remedy = "correct the coupling ratio in the controller, or compensate it"},
-    .basis = coupling_basis,
+    .basis = linear_basis,
     .by_angle = linear_by_angle,
     .variant = &neighbour,
     .candidate = coupling_candidate,
@@ -132,18 +127,12 @@ static void write_order(char *text, size_t size, const mukca_effect_variant *var
     mukca_print(text, size, "%d", variant->order);
 }
 
-static bool has_order(mukca_effect *effect, int n_joints)
-{
-    (void)n_joints;
-    return effect->variant.order >= 2;
-}
-
 static const mukca_variant_ops orders = {
     .key = "order",
     .expected = "@ORDER, 2 to 400",
     .read = read_order,
     .write = write_order,
-    .complete = has_order,
+    .required = true,
 };
 
 /* Ratios of strain wave and cycloidal gears in cobots, their doubles (two lobes a turn), and

@@ -1,20 +1,17 @@
 /* Changes between placements: of a joint's zero, or of the ball's position on the arm. */
 #include "effect/catalogue.h"
 
-static bool acts(const mukca_basis_input *in)
+/* Each coefficient is a coordinate, in one placement; that of a zero is the first. */
+static void placement_basis(double basis[][3], const mukca_basis_input *in)
 {
-    return in->effect->placement >= 0 && in->state->placement == in->effect->placement;
+    const int placement = in->effect->placement;
+    for (int i = 0; i < 3; i++) basis[i][i] = placement >= 0 && in->state->placement == placement;
 }
 
 static bool of_placement(mukca_effect *effect, const mukca_effect_survey *survey, int i)
 {
     effect->placement = i;
     return survey->n_placements > 1 && i < survey->n_placements;
-}
-
-static void zero_basis(double basis[][3], const mukca_basis_input *in)
-{
-    basis[0][0] = acts(in);
 }
 
 /* rad: from a nudge of the encoder to a homing that is wrong by a sixth of a motor's turn (a pole
@@ -35,7 +32,7 @@ const mukca_effect_ops mukca_zero_jump_effect = {
              .sentence = "the joint's zero differs in one placement from the others (slipped or "
                          "re-homed)",
              .remedy = "check homing and brake of the joint, then record this placement again"},
-    .basis = zero_basis,
+    .basis = placement_basis,
     .candidate = of_placement,
     .faint_at_first =
         "indistinguishable from a rotation of the placement; only a tracker can detect it",
@@ -43,11 +40,6 @@ const mukca_effect_ops mukca_zero_jump_effect = {
 
 /* m: a ball in its holder. */
 static const mukca_effect_sizes ball_sizes = {.usual = 3, .sigma = {0.05e-3, 0.2e-3, 1e-3}};
-
-static void shift_basis(double basis[][3], const mukca_basis_input *in)
-{
-    for (int i = 0; i < 3; i++) basis[i][i] = acts(in);
-}
 
 const mukca_effect_ops mukca_ball_shift_effect = {
     .sizes = &ball_sizes,
@@ -62,7 +54,7 @@ const mukca_effect_ops mukca_ball_shift_effect = {
              .sentence = "the ball's position on the arm differs in one placement (loose or "
                          "re-mounted)",
              .remedy = "fasten the ball and record this placement again"},
-    .basis = shift_basis,
+    .basis = placement_basis,
     .term_name = {"x", "y", "z"},
     .candidate = of_placement,
 };

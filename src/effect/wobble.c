@@ -82,19 +82,12 @@ static bool read_wobble(mukca_effect_variant *variant, const char *text)
     return false;
 }
 
-static bool complete_wobble(mukca_effect *effect, int n_joints)
-{
-    (void)n_joints;
-    if (effect->variant.order == 0) effect->variant = variants[0];
-    return true;
-}
-
 static const mukca_variant_ops motion = {
     .key = "motion",
     .expected = "@fixed1, fixed2, turning1, turning2, cone-2, cone-1, cone+2 or cone+3",
     .read = read_wobble,
     .write = write_wobble,
-    .complete = complete_wobble,
+    .usual = {.frame = MUKCA_WOBBLE_FIXED, .order = 1},
 };
 
 static bool wobble_candidate(mukca_effect *effect, const mukca_effect_survey *survey, int i)

@@ -3,7 +3,6 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/pool.h"
@@ -112,11 +111,8 @@ static void place_target(mukca_alignment *a, const problem *p)
 /* Set `at` of the points to the target by the model, without the tracker. */
 static void place(const mukca_alignment *a, const problem *p)
 {
-    for (int i = 0; i < p->n; i++) {
-        mukca_meeting_point *e = &p->points[i];
-        mukca_mat3_vec(e->at, e->from.R, a->target.p);
-        for (int c = 0; c < 3; c++) e->at[c] += e->from.p[c];
-    }
+    for (int i = 0; i < p->n; i++)
+        mukca_frame_point(p->points[i].at, &p->points[i].from, a->target.p);
 }
 
 /* Bring the tracker to the points; the target's position is known. */
@@ -137,8 +133,7 @@ static double weigh(double *median, mukca_alignment *a, problem *p)
     for (int i = 0; i < p->n; i++) {
         double x[3], w[3] = {0};
         mukca_meeting_point *e = &p->points[i];
-        mukca_mat3_vec(x, a->tracker.R, e->at);
-        for (int c = 0; c < 3; c++) x[c] += a->tracker.p[c];
+        mukca_frame_point(x, &a->tracker, e->at);
         p->length[i] = mukca_distance3(x, e->to);
         if (!isnan(e->turned[0])) {
             double TF[9], turned[9];
@@ -223,21 +218,21 @@ static void find_open(mukca_alignment *a, const problem *p, double residual)
     a->open_turn = p->tracker && fits && residual * mukca_norm3(sigma + 3) > open_turn;
 }
 
-static bool is_collected(const mukca_dataset *data, const unsigned char *keep, int row)
+static bool is_collected(const mukca_dataset *data, const mukca_align_options *options, int row)
 {
     return data->socket[row] < 0 && isfinite(data->position[3 * (size_t)row]) &&
-           (!keep || keep[row]);
+           (!options->group || options->group[row] == options->only);
 }
 
 static void collect(problem *p, const mukca_geometry *geometry, const mukca_dataset *data,
-                    const unsigned char *keep)
+                    const mukca_align_options *options)
 {
     int n = 0;
-    for (int row = 0; row < data->n_rows; row++) n += is_collected(data, keep, row);
-    const int every = (n + MUKCA_MOST_SAMPLES - 1) / MUKCA_MOST_SAMPLES;
+    for (int row = 0; row < data->n_rows; row++) n += is_collected(data, options, row);
+    const int every = 1 + (n - 1) / MUKCA_MOST_SAMPLES;
     for (int row = 0, seen = 0; row < data->n_rows; row++) {
         const double *x = data->position + 3 * (size_t)row;
-        if (!is_collected(data, keep, row) || seen++ % every) continue;
+        if (!is_collected(data, options, row) || seen++ % every) continue;
         mukca_meeting_point *e = &p->points[p->n++];
         mukca_fk_pose(&e->from, geometry, data->q + (size_t)row * (size_t)data->n_joints, NULL);
         memcpy(e->to, x, sizeof e->to);
@@ -265,7 +260,7 @@ bool mukca_align(mukca_alignment *out, const mukca_geometry *geometry, const muk
     p.points = MUKCA_TAKE(&p.pool, mukca_meeting_point, most);
     p.length = MUKCA_TAKE(&p.pool, double, most);
     const bool failed = p.pool.failed;
-    if (!failed) collect(&p, geometry, data, options->keep);
+    if (!failed) collect(&p, geometry, data, options);
     for (int k = 0, agree = 0; p.n >= 3 && !failed && k < starts && agree < 3; k++) {
         mukca_alignment a = start;
         if (k != AT_FLANGE && (!p.target || (k == HAND_EYE && !p.turned))) continue;
@@ -327,22 +322,18 @@ mukca_status mukca_chain_with_frames(mukca_chain *out, const mukca_chain *chain,
 mukca_status mukca_frames_start(double *theta, const mukca_chain *chain, const mukca_dataset *data,
                                 bool base, bool tool, mukca_error *error)
 {
-    unsigned char *keep = NULL;
     const int tip = mukca_chain_tip_element(chain);
     mukca_geometry geometry;
     mukca_alignment found;
     mukca_chain_theta(theta, chain);
     if (!base && !tool) return MUKCA_OK;
     mukca_geometry_set(&geometry, chain, NULL);
-    if (data->n_targets > 1) { /* align with the samples of the first target */
-        keep = malloc((size_t)data->n_rows);
-        for (int i = 0; i < data->n_rows && keep; i++) keep[i] = data->target[i] == data->target[0];
-    }
-    const mukca_align_options options = {.tracker = base, .target = tool, .keep = keep};
-    const bool aligned =
-        (keep || data->n_targets < 2) && mukca_align(&found, &geometry, data, &options);
-    free(keep);
-    if (!aligned) return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", data->n_rows);
+    const mukca_align_options options = {.tracker = base,
+                                         .target = tool,
+                                         .group = data->n_targets > 1 ? data->target : NULL,
+                                         .only = mukca_dataset_target(data, 0)};
+    if (!mukca_align(&found, &geometry, data, &options))
+        return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", data->n_rows);
     if (base) geometry.origin[0] = found.tracker;
     if (tool) mukca_frame_multiply(&geometry.origin[tip], &geometry.origin[tip], &found.target);
     mukca_geometry_theta(theta, chain, &geometry);

@@ -14,9 +14,10 @@ typedef struct {
 } mukca_alignment;
 
 typedef struct {
-    bool tracker, target;      /* which frames are unknown */
-    const unsigned char *keep; /* [n_rows] samples to use, NULL: all */
-    int steps;                 /* at most so many Gauss-Newton steps; 0: until they converge */
+    bool tracker, target; /* which frames are unknown */
+    const int *group;     /* [n_rows] only the samples of group `only` are used; NULL: all */
+    int only;
+    int steps; /* at most so many Gauss-Newton steps; 0: until they converge */
 } mukca_align_options;
 
 /* Align the measured poses of `data` (samples of sockets are ignored): the least squares of

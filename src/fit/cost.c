@@ -15,8 +15,8 @@ bool mukca_cost_init(mukca_cost *cost, mukca_pool *pool, const mukca_chain *chai
     cost->theta = MUKCA_TAKE(pool, double, all);
     cost->nominal = MUKCA_TAKE(pool, double, n);
     if (pool->failed) return false;
-    cost->parameters = parameters;
-    cost->gradient = options->gradient;
+    cost->parameters = cost->observations.parameters = parameters;
+    cost->observations.kind = options->gradient;
     cost->n = n;
     cost->lambda = options->lambda < 0 ? 0 : options->lambda > 0 ? options->lambda : MUKCA_LAMBDA;
     memcpy(cost->theta, options->theta ? options->theta : nominal, (size_t)all * sizeof *nominal);
@@ -34,8 +34,7 @@ double mukca_cost_evaluate(mukca_cost_value *parts, double *gradient, mukca_cost
     mukca_parameters_unpack(cost->theta, cost->parameters, x);
     mukca_observe_predict(o, cost->theta);
     value.inconsistency = mukca_observe_squares(&value.distortion, o, true);
-    if (gradient)
-        mukca_observe_gradient(gradient, o, cost->theta, cost->parameters, cost->gradient);
+    if (gradient) mukca_observe_gradient(gradient, o);
     for (int i = 0; i < cost->n; i++) {
         if (!cost->parameters->regularised[i]) continue;
         const double off = x[i] - cost->nominal[i];

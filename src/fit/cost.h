@@ -29,7 +29,6 @@ typedef struct {
 struct mukca_cost {
     const mukca_parameters *parameters;
     mukca_observations observations;
-    mukca_gradient gradient;
     double lambda;   /* of one placement */
     int n;           /* free parameters */
     int evaluations; /* of value, with or without gradient */

@@ -205,10 +205,9 @@ int mukca_coincide_drop(double *apart, mukca_dataset *data, const mukca_chain *c
     mukca_pool pool = {0};
     const mukca_model model = {.chain = chain, .theta = theta};
     if (!data->n_distances) return 0;
-    const bool made = mukca_evaluation_make(&e, &pool, &model, data);
     double *squares = MUKCA_TAKE(&pool, double, data->n_sockets);
     mukca_distance *moved = MUKCA_TAKE(&pool, mukca_distance, data->n_distances);
-    const bool ok = made && e.mean && !pool.failed;
+    const bool ok = mukca_evaluation_make(&e, &pool, &model, data) && e.mean;
     int found = 0, kept = 0;
     for (int i = 0; i < data->n_rows && ok; i++)
         if (data->socket[i] >= 0) squares[data->socket[i]] += e.error[i] * e.error[i];

@@ -35,15 +35,6 @@ typedef struct {
     unsigned char identifiable[MUKCA_MAX_FREE];
 } mukca_identification;
 
-/* Relative tolerance of the rank: smaller singular values, relative to the largest, count as
- * zero. */
-#define MUKCA_RANK_TOLERANCE 1e-7
-
-/* A parameter is identifiable if its component in every unit vector of the null space is below
- * this: moving 10 mm or mrad along the null space changes the parameter by less than 10 um or
- * urad. */
-#define MUKCA_HIDDEN_SHARE 1e-3
-
 /* Analyse at x[n].  Scratch comes from `pool`.  Errors: MUKCA_INPUT (the Jacobian is not finite),
  * MUKCA_MEMORY. */
 mukca_status mukca_identify(mukca_identification *identification, mukca_cost *cost, const double *x,

@@ -23,8 +23,7 @@ static void add(mukca_cost_value *parts, double *gradient, mukca_cost *cost, con
     const double lambda = mukca_cost_lambda(cost);
     mukca_orientations_predict(o);
     parts->inconsistency += mukca_orientations_squares(o, true);
-    if (gradient)
-        mukca_orientations_gradient(gradient, o, cost->theta, cost->parameters, cost->gradient);
+    if (gradient) mukca_orientations_gradient(gradient, o);
     for (int d = 0; d < cost->n_held; d++) {
         const double *v = cost->held + (size_t)(d * cost->n);
         const double off = along(v, x, cost->n) - cost->held_at[d];
@@ -81,7 +80,7 @@ void mukca_cost_hold(mukca_cost *cost, const double *x)
     if (k == 0 || !(lambda > 0)) return;
     mukca_cost_normal(H, cost, x, true);
     for (int i = 0; i < k * k; i++) A[i] = H[loose[i / k] * n + loose[i % k]];
-    if (mukca_dense_svd(A, curvature, V, k) != 0) return;
+    if (!mukca_dense_svd(A, curvature, V, k)) return;
     for (int d = 0; d < k; d++) {
         if (curvature[d] >= lambda) continue;
         double *v = cost->held + (size_t)(cost->n_held * n);
@@ -97,8 +96,7 @@ void mukca_cost_normal(double *H, mukca_cost *cost, const double *x, bool data_o
     const int n = cost->n, m = part->observations.n_residuals;
     const double lambda = mukca_cost_lambda(cost);
     mukca_parameters_unpack(part->theta, cost->parameters, x);
-    mukca_observe_residuals(part->r, part->J, &part->observations, part->theta, cost->parameters,
-                            cost->gradient);
+    mukca_observe_residuals(part->r, part->J, &part->observations, part->theta);
     for (int i = 0; i < m; i++)
         for (int c = 0; c < n; c++) part->J[i * n + c] *= part->weight[i];
     memset(H, 0, (size_t)(n * n) * sizeof *H);
@@ -113,15 +111,8 @@ void mukca_cost_normal(double *H, mukca_cost *cost, const double *x, bool data_o
 
 /* ---- solvers ---- */
 
-const char *mukca_stop_text(mukca_stop stop)
-{
-    static const char *const text[] = {
 #define STOP_TEXT(name, text) text,
-        MUKCA_STOP_LIST(STOP_TEXT)
-#undef STOP_TEXT
-    };
-    return text[stop];
-}
+const char *const mukca_stop_text[] = {MUKCA_STOP_LIST(STOP_TEXT)};
 
 double mukca_solver_goal(double cost)
 {
@@ -156,13 +147,12 @@ static mukca_status run(double *x, mukca_solver_outcome *outcome, mukca_cost *co
     double *H = cost->matrix[0], *L = cost->matrix[1], *g = cost->vector[0],
            *step = cost->vector[1], *trial = cost->vector[2], *g_trial = cost->vector[3];
     double damping = 0, value;
-    mukca_cost_value parts;
     (void)solver, (void)error;
     const int limit = options->max_evaluations > 0 ? options->max_evaluations : 2000;
     const double until = mukca_clock_seconds() + MUKCA_SOLVER_SECONDS;
     const int before = cost->evaluations;
     memset(outcome, 0, sizeof *outcome);
-    value = mukca_cost_evaluate(&parts, g, cost, x);
+    value = mukca_cost_evaluate(NULL, g, cost, x);
     outcome->stop = isfinite(value) ? MUKCA_STOP_LIMIT : MUKCA_STOP_NOT_FINITE;
     bool moved = true;
     while (outcome->stop == MUKCA_STOP_LIMIT && cost->evaluations - before < limit &&
@@ -182,7 +172,7 @@ static mukca_status run(double *x, mukca_solver_outcome *outcome, mukca_cost *co
         }
         mukca_dense_backward(step, 1, L, n);
         for (int i = 0; i < n; i++) trial[i] = x[i] - step[i] / 2;
-        const double next = mukca_cost_evaluate(&parts, g_trial, cost, trial);
+        const double next = mukca_cost_evaluate(NULL, g_trial, cost, trial);
         moved = next < value;
         if (!moved) {
             if (promised <= 1e-9 * value) { /* at the limit of rounding */

@@ -8,6 +8,15 @@
 #include "fit/solver.h"
 #include "math/dense.h"
 
+/* Relative tolerance of the rank: smaller singular values, relative to the largest, count as zero.
+ */
+static const double rank_tolerance = 1e-7;
+
+/* A parameter is identifiable if its component in every unit vector of the null space is below
+ * this: moving 10 mm or mrad along the null space changes the parameter by less than 10 um or
+ * urad. */
+static const double hidden_share = 1e-3;
+
 /* Fraction of a socket's samples, or of the poses (-1), that is in the part. */
 static double share_in_part(const mukca_cost *cost, int socket)
 {
@@ -34,11 +43,11 @@ static void score_covariance(double *B, mukca_cost *cost)
     for (int i = 0; i < rows; i++)
         for (int p = 0; p < o->n_pairs; p++) {
             const int s = o->socket[i];
-            const int sign = (o->pair[2 * p] == s) - (o->pair[2 * p + 1] == s);
+            const int sign = (o->pair[p].a == s) - (o->pair[p].b == s);
             if (s < 0 || sign == 0) continue;
             const double weight = sqrt(share_in_part(cost, s));
             for (int a = 0; a < 3; a++) {
-                const double f = weight * sign * o->pair_direction[3 * p + a] / o->count[s];
+                const double f = weight * sign * o->pair[p].direction[a] / o->count[s];
                 for (int c = 0; c < n; c++)
                     part->J[(3 * i + a) * n + c] += f * part->J[(first_pair + p) * n + c];
             }
@@ -76,7 +85,7 @@ static void project_out_turning(double *R, double *X, int n)
     double T[9], s[3], V[9], size = 0, square[3] = {0};
     for (int r = 0; r < wide; r++) size += mukca_dot3(R + r * wide + n, R + r * wide + n);
     for (int i = 0; i < 9; i++) T[i] = R[(n + i / 3) * wide + n + i % 3];
-    if (mukca_dense_svd(T, s, V, 3) != 0) return;
+    if (!mukca_dense_svd(T, s, V, 3)) return;
     for (int c = 0; c < 3; c++) /* else the parameters cannot rotate the arm */
         for (int i = 0; i < n && s[c] <= 1e-6 * sqrt(size); i++) {
             for (int a = 0; a < 3; a++) X[i * wide + c] += R[i * wide + n + a] * V[3 * a + c];
@@ -104,7 +113,7 @@ static void standard_errors(mukca_identification *id, const double *V, const dou
         }
         for (int j = 0; j < n; j++)
             for (int k = 0; k < n; k++) variance += row[j] * B[j * n + k] * row[k];
-        id->identifiable[i] = hidden < MUKCA_HIDDEN_SHARE * MUKCA_HIDDEN_SHARE;
+        id->identifiable[i] = hidden < hidden_share * hidden_share;
         id->sigma[i] = id->identifiable[i] ? id->noise * sqrt(fmax(variance, 0)) : HUGE_VAL;
     }
 }
@@ -132,10 +141,9 @@ mukca_status mukca_identify(mukca_identification *id, mukca_cost *cost, const do
     score_covariance(B, cost);                    /* overwrites the Jacobian */
     if (!o->target) project_out_turning(R, X, n); /* measured poses identify that rotation */
     for (int i = 1; i < n; i++) memmove(R + i * n, R + i * (n + 3), (size_t)n * sizeof *R);
-    if (mukca_dense_svd(R, s, V, n) != 0)
+    if (!mukca_dense_svd(R, s, V, n))
         return mukca_fail(error, MUKCA_INPUT, "the model's derivatives are not finite numbers");
-    while (id->rank < n && s[id->rank] > MUKCA_RANK_TOLERANCE * s[0])
-        log_product += log(s[id->rank++]);
+    while (id->rank < n && s[id->rank] > rank_tolerance * s[0]) log_product += log(s[id->rank++]);
     id->observability = id->rank > 0 ? exp(log_product / id->rank) : 0;
     const int spare = o->n_measured - id->rank;
     id->noise = spare > 0 ? sqrt(squares / spare) : HUGE_VAL;

@@ -62,7 +62,7 @@ static void change(search *s, const mukca_mixup *m, int r)
 static void measure(mukca_mixup *m, search *s)
 {
     mukca_dataset *d = s->data;
-    const unsigned char *used = s->frames.keep;
+    const int *used = s->frames.group;
     mukca_alignment a = {.tracker.R = MUKCA_IDENTITY, .target.R = MUKCA_IDENTITY};
     mukca_align_options frames = s->frames;
     int n = 0;
@@ -288,7 +288,7 @@ static void find(mukca_mismatch *mismatch, search *s)
 
 /* Use some `most` samples of the first target, evenly spread by the golden section: no pattern of
  * the recording is met. */
-static void use(unsigned char *used, const mukca_dataset *data, int most)
+static void use(int *used, const mukca_dataset *data, int most)
 {
     int n = 0;
     for (int r = 0; r < data->n_rows; r++) {
@@ -308,22 +308,24 @@ mukca_status mukca_mismatch_find(mukca_mismatch *mismatch, const mukca_chain *ch
     *mismatch = (mukca_mismatch){.before_m = NAN};
     MUKCA_TRY(mukca_part_take(&part, data, MOST_SAMPLES, error));
     const size_t rows = (size_t)part.n_rows;
-    search s = {
-        .chain = chain,
-        .data = &part,
-        .fixed = part.position && !free_base,
-        .frames = {.tracker = free_base, .target = free_tool || part.n_targets > 1, .steps = STEPS},
-        .x = MUKCA_TAKE(&pool, double[3], rows + 1),
-        .sum = MUKCA_TAKE(&pool, double[4], part.n_sockets + 1),
-        .best = MUKCA_TAKE(&pool, mukca_mixup, BEST)};
+    search s = {.chain = chain,
+                .data = &part,
+                .fixed = part.position && !free_base,
+                .frames = {.tracker = free_base,
+                           .target = free_tool || part.n_targets > 1,
+                           .only = 1,
+                           .steps = STEPS},
+                .x = MUKCA_TAKE(&pool, double[3], rows + 1),
+                .sum = MUKCA_TAKE(&pool, double[4], part.n_sockets + 1),
+                .best = MUKCA_TAKE(&pool, mukca_mixup, BEST)};
     double *q = MUKCA_TAKE(&pool, double, rows *(size_t)part.n_joints + 1);
-    unsigned char *used = MUKCA_TAKE(&pool, unsigned char, rows + 1);
+    int *used = MUKCA_TAKE(&pool, int, rows + 1);
     s.failed = pool.failed;
     free(part.quaternion); /* with wrong angles, orientations determine no frame */
     part.quaternion = NULL;
     if (!s.failed && part.q) {
         s.q = memcpy(q, part.q, rows * (size_t)part.n_joints * sizeof *q);
-        s.frames.keep = used;
+        s.frames.group = used;
         mukca_geometry_set(&s.geometry, chain, NULL);
         for (int k = 0; k < chain->n_elements; k++)
             s.origins += origins * mukca_norm3(chain->element[k].xyz);

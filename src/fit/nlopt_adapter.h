@@ -21,7 +21,7 @@ typedef enum {
 #undef MUKCA_STOP_ENUM
 } mukca_stop;
 
-const char *mukca_stop_text(mukca_stop stop);
+extern const char *const mukca_stop_text[];
 
 typedef enum { MUKCA_NLOPT_SLSQP, MUKCA_NLOPT_LBFGS } mukca_nlopt_method;
 

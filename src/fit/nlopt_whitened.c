@@ -23,7 +23,6 @@ typedef struct {
     double *x, *g, *y; /* [n] scratch */
     double *best;      /* [n] best point seen */
     double best_value, scale, unit;
-    int before;
     bool decided; /* outcome->stop is final */
     bool anew;    /* stopped for new whitening */
 } whitened;
@@ -43,13 +42,12 @@ static double objective(void *context, double *gradient, const double *y, bool *
 {
     whitened *a = context;
     const int n = a->cost->n;
-    mukca_cost_value parts;
     if (a->options->stop && a->options->stop(a->options->context))
         return decide(a, MUKCA_STOP_STOPPED, halt);
     memcpy(a->x, y, (size_t)n * sizeof *y);
     mukca_dense_backward(a->x, 1, a->L, n);
     for (int i = 0; i < n; i++) a->x[i] = a->start[i] + a->scale * a->x[i];
-    const double value = mukca_cost_evaluate(&parts, gradient ? a->g : NULL, a->cost, a->x);
+    const double value = mukca_cost_evaluate(NULL, gradient ? a->g : NULL, a->cost, a->x);
     double slope = 0;
     if (gradient) {
         memcpy(gradient, a->g, (size_t)n * sizeof *gradient);
@@ -106,22 +104,22 @@ static mukca_status run(double *x, mukca_solver_outcome *outcome, mukca_cost *co
                   .start = cost->vector[2],
                   .y = cost->vector[3],
                   .best = x,
-                  .best_value = HUGE_VAL,
-                  .before = cost->evaluations};
-    const int limit = a.options->max_evaluations > 0 ? a.options->max_evaluations : 2000;
+                  .best_value = HUGE_VAL};
+    const int limit = options->max_evaluations > 0 ? options->max_evaluations : 2000;
+    const int before = cost->evaluations;
     *outcome = (mukca_solver_outcome){.stop = MUKCA_STOP_NOT_FINITE};
     a.unit = mukca_cost_evaluate(NULL, NULL, cost, x);
     if (!isfinite(a.unit)) return MUKCA_OK;
     if (!(a.unit > 0)) a.unit = 1;
     do {
-        const int left = limit - (cost->evaluations - a.before);
+        const int left = limit - (cost->evaluations - before);
         const double seconds = until - mukca_clock_seconds();
         outcome->stop = MUKCA_STOP_LIMIT;
         if (left <= 0 || seconds <= 0) break;
         status = run_round(&a, solver->method, left, seconds, error);
         a.unit = a.best_value;
     } while (status == MUKCA_OK && a.anew && a.unit > 0);
-    outcome->evaluations = cost->evaluations - a.before;
+    outcome->evaluations = cost->evaluations - before;
     return status;
 }
 

@@ -27,9 +27,8 @@ static void load(mukca_observations *o, const mukca_dataset *data)
     for (int d = 0; d < data->n_distances; d++) {
         const int a = data->distances[d].a, b = data->distances[d].b;
         if (!(o->count[a] > 0 && o->count[b] > 0)) continue;
-        o->pair[2 * o->n_pairs] = a;
-        o->pair[2 * o->n_pairs + 1] = b;
-        o->pair_distance[o->n_pairs++] = data->distances[d].distance;
+        o->pair[o->n_pairs++] =
+            (mukca_observed_pair){.a = a, .b = b, .distance = data->distances[d].distance};
     }
     o->n_measured += o->n_pairs;
     o->n_residuals = 3 * o->n_rows + o->n_pairs;
@@ -38,7 +37,7 @@ static void load(mukca_observations *o, const mukca_dataset *data)
 bool mukca_observe_setup(mukca_observations *o, mukca_pool *pool, const mukca_chain *chain,
                          const mukca_dataset *data)
 {
-    const int n = data->n_rows, sockets = data->n_sockets, pairs = data->n_distances;
+    const int n = data->n_rows, sockets = data->n_sockets;
     *o = (mukca_observations){.n_rows = n, .n_sockets = sockets};
     mukca_sweep_take(&o->sweep, pool, chain, n);
     o->socket = MUKCA_TAKE(pool, int, n);
@@ -47,10 +46,7 @@ bool mukca_observe_setup(mukca_observations *o, mukca_pool *pool, const mukca_ch
     o->mean = MUKCA_TAKE(pool, double, 3 * sockets);
     o->socket_weight = MUKCA_TAKE(pool, double, sockets);
     o->socket_adjoint = MUKCA_TAKE(pool, double, 3 * sockets);
-    o->pair = MUKCA_TAKE(pool, int, 2 * pairs);
-    o->pair_distance = MUKCA_TAKE(pool, double, pairs);
-    o->pair_residual = MUKCA_TAKE(pool, double, pairs);
-    o->pair_direction = MUKCA_TAKE(pool, double, 3 * pairs);
+    o->pair = MUKCA_TAKE(pool, mukca_observed_pair, data->n_distances);
     o->residual = MUKCA_TAKE(pool, double, 3 * (n + MUKCA_SWEEP_PADDING));
     if (pool->failed) return false;
 
@@ -61,13 +57,13 @@ bool mukca_observe_setup(mukca_observations *o, mukca_pool *pool, const mukca_ch
 
 static void predict_pairs(mukca_observations *o)
 {
-    for (int p = 0; p < o->n_pairs; p++) {
-        const double *a = o->mean + 3 * o->pair[2 * p], *b = o->mean + 3 * o->pair[2 * p + 1];
-        double *u = o->pair_direction + 3 * p;
+    for (mukca_observed_pair *p = o->pair; p < o->pair + o->n_pairs; p++) {
+        const double *a = o->mean + 3 * p->a, *b = o->mean + 3 * p->b;
+        double *u = p->direction;
         for (int i = 0; i < 3; i++) u[i] = a[i] - b[i];
         const double length = mukca_norm3(u);
         for (int i = 0; i < 3; i++) u[i] = length > 0 ? u[i] / length : 0;
-        o->pair_residual[p] = length - o->pair_distance[p];
+        p->residual = length - p->distance;
     }
 }
 
@@ -103,18 +99,13 @@ static void subtract(mukca_observations *o)
 void mukca_observe_predict(mukca_observations *o, const double *theta)
 {
     mukca_sweep *sweep = &o->sweep;
+    o->theta = theta;
     mukca_sweep_origins(sweep, theta);
     memset(o->mean, 0, 3 * (size_t)o->n_sockets * sizeof *o->mean);
-    for (int v = 0; v < sweep->n_windows; v++) {
-        mukca_sweep_open(sweep, v);
-        predict_positions(o);
-    }
+    for (int v = 0; mukca_sweep_open(sweep, v); v++) predict_positions(o);
     for (int s = 0; s < o->n_sockets; s++)
         for (int a = 0; a < 3 && o->count[s] > 0; a++) o->mean[3 * s + a] /= o->count[s];
-    for (int v = 0; v < sweep->n_windows; v++) {
-        mukca_sweep_open(sweep, v);
-        subtract(o);
-    }
+    for (int v = 0; mukca_sweep_open(sweep, v); v++) subtract(o);
     predict_pairs(o);
 }
 
@@ -122,8 +113,7 @@ double mukca_observe_sum(mukca_observations *o, double *residual, const double *
 {
     mukca_sweep *s = &o->sweep;
     double sum = 0;
-    for (int v = 0; v < s->n_windows; v++) {
-        mukca_sweep_open(s, v);
+    for (int v = 0; mukca_sweep_open(s, v); v++) {
         const double *r = mukca_observe_window(residual, s);
         for (int i = 0; i < s->rows; i++)
             for (int a = 0; a < 3; a++)
@@ -137,7 +127,7 @@ double mukca_observe_squares(double *pairs, mukca_observations *o, bool weighted
 {
     if (pairs) *pairs = 0;
     for (int p = 0; pairs && p < o->n_pairs; p++)
-        *pairs += o->pair_residual[p] * o->pair_residual[p];
+        *pairs += o->pair[p].residual * o->pair[p].residual;
     return mukca_observe_sum(o, o->residual, weighted ? o->row_weight : NULL);
 }
 
@@ -145,25 +135,25 @@ double mukca_observe_squares(double *pairs, mukca_observations *o, bool weighted
 static void pair_adjoint(double add[3], const mukca_observations *o, int s)
 {
     add[0] = add[1] = add[2] = 0;
-    for (int p = 0; p < o->n_pairs; p++) {
-        const int sign = (o->pair[2 * p] == s) - (o->pair[2 * p + 1] == s);
-        const double f = 2 * sign * o->pair_residual[p] / o->count[s];
-        for (int a = 0; a < 3; a++) add[a] += f * o->pair_direction[3 * p + a];
+    for (const mukca_observed_pair *p = o->pair; p < o->pair + o->n_pairs; p++) {
+        const int sign = (p->a == s) - (p->b == s);
+        const double f = 2 * sign * p->residual / o->count[s];
+        for (int a = 0; a < 3; a++) add[a] += f * p->direction[a];
     }
 }
 
-/* Adjoints of the positions in the open window, summed by element. */
-static void add_positions(mukca_adjoint *adjoint, mukca_observations *o)
+void mukca_observe_adjoint(mukca_adjoint *adjoint, mukca_observations *o, double *residual,
+                           const double *weight, double factor, const double *of_socket)
 {
     mukca_sweep *s = &o->sweep;
-    const double *residual = mukca_observe_window(o->residual, s);
+    const double *r = mukca_observe_window(residual, s);
     double *h = s->h;
     memset(h, 0, 3 * (size_t)s->padded * sizeof *h);
     for (int i = 0; i < s->rows; i++) {
-        const int row = s->from + i, at = o->socket[row];
+        const int row = s->from + i, at = of_socket ? o->socket[row] : -1;
         for (int a = 0; a < 3; a++)
-            h[a * s->padded + i] = 2 * o->row_weight[row] * residual[a * s->padded + i] +
-                                   (at >= 0 ? o->socket_adjoint[3 * at + a] : 0);
+            h[a * s->padded + i] = 2 * weight[row] * factor * r[a * s->padded + i] +
+                                   (at >= 0 ? of_socket[3 * at + a] : 0);
     }
     mukca_sweep_backward(adjoint, s);
 }
@@ -172,22 +162,21 @@ static void sum_adjoints(mukca_adjoint *adjoint, mukca_observations *o)
 {
     for (int s = 0; s < o->n_sockets; s++) pair_adjoint(o->socket_adjoint + 3 * s, o, s);
     memset(adjoint, 0, sizeof *adjoint);
-    for (int v = 0; v < o->sweep.n_windows; v++) {
-        mukca_sweep_open(&o->sweep, v);
+    for (int v = 0; mukca_sweep_open(&o->sweep, v); v++) {
         if (o->sweep.n_windows > 1) mukca_sweep_forward(&o->sweep); /* else still valid */
-        add_positions(adjoint, o);
+        mukca_observe_adjoint(adjoint, o, o->residual, o->row_weight, 1, o->socket_adjoint);
     }
 }
 
-void mukca_observe_gradient(double *gradient, mukca_observations *o, const double *theta,
-                            const mukca_parameters *parameters, mukca_gradient kind)
+void mukca_observe_gradient(double *gradient, mukca_observations *o)
 {
+    const mukca_parameters *parameters = o->parameters;
     mukca_adjoint adjoint;
     sum_adjoints(&adjoint, o);
     for (int i = 0; i < parameters->n;) {
         const int k = parameters->index[i] / MUKCA_PARAMETERS;
         double dR[3][9];
-        mukca_sweep_element_derivative(dR, theta + 6 * k + 3, kind);
+        mukca_sweep_element_derivative(dR, o->theta + 6 * k + 3, o->kind);
         for (; i < parameters->n && parameters->index[i] / MUKCA_PARAMETERS == k; i++) {
             const int parameter = parameters->index[i] % MUKCA_PARAMETERS;
             gradient[i] = parameter < 3 ? adjoint.sum[k][parameter] : 0;

@@ -11,8 +11,18 @@
 #include "fit/sweep.h"
 #include "model/dataset.h"
 
+/* A known distance between two sockets, m. */
+typedef struct {
+    int a, b;
+    double distance, residual;
+    double direction[3]; /* unit, from b to a */
+} mukca_observed_pair;
+
 typedef struct {
     mukca_sweep sweep;
+    const mukca_parameters *parameters; /* free ones, of gradient and Jacobian */
+    mukca_gradient kind;                /* method of an element's derivative */
+    const double *theta;                /* of the last prediction */
     int n_rows, n_sockets, n_pairs;
     int n_groups;          /* placements with samples, plus one if there are measured poses */
     int n_residuals;       /* rows of the Jacobian */
@@ -22,13 +32,10 @@ typedef struct {
     double *count;         /* [n_sockets] samples of each */
     double *socket_weight; /* [n_sockets] `row_weight` of their samples */
     double *mean;          /* [n_sockets][3] of the predictions in use */
-    int *pair;             /* [n_pairs][2] */
-    double *pair_distance; /* [n_pairs] known, m */
-    double *pair_residual; /* [n_pairs] */
-    double *pair_direction; /* [n_pairs][3] unit, from b to a */
-    double *residual;       /* [windows][3][padded] */
-    double *socket_adjoint; /* [n_sockets][3] of the pairs, for each sample of a socket */
-    double *mean_rows;      /* [n_sockets][3][n] means of the Jacobian */
+    mukca_observed_pair *pair; /* [n_pairs] */
+    double *residual;          /* [windows][3][padded] */
+    double *socket_adjoint;    /* [n_sockets][3] of the pairs, for each sample of a socket */
+    double *mean_rows;         /* [n_sockets][3][n] means of the Jacobian */
     /* of mukca_poses_add; NULL: no measured poses */
     const double *target, *aim; /* positions and quaternions of the dataset */
     double *turn_weight;        /* [n_rows] as `row_weight` */
@@ -46,7 +53,8 @@ static inline double *mukca_observe_window(double *residual, const mukca_sweep *
     return residual + 3L * sweep->from;
 }
 
-/* Compute the residuals at theta[6 * n_elements]; stored in `observations`. */
+/* Compute the residuals at theta[6 * n_elements], which the gradient refers to; stored in
+ * `observations`. */
 void mukca_observe_predict(mukca_observations *observations, const double *theta);
 
 /* Sum of squares of residuals [windows][3][padded], weighted by weight[n_rows] (NULL: not). */
@@ -55,9 +63,13 @@ double mukca_observe_sum(mukca_observations *observations, double *residual, con
 /* Sum of the squares, m^2, of the samples, weighted or not, and of the pairs (NULL: not wanted). */
 double mukca_observe_squares(double *pairs, mukca_observations *observations, bool weighted);
 
-/* gradient[n] of the weighted sum with respect to the free parameters; theta must be that of the
- * last prediction. */
-void mukca_observe_gradient(double *gradient, mukca_observations *observations, const double *theta,
-                            const mukca_parameters *parameters, mukca_gradient kind);
+/* Add the adjoints of residuals [windows][3][padded] in the open window: 2 factor weight[row] times
+ * each, plus of_socket[n_sockets][3] (NULL: nothing). */
+void mukca_observe_adjoint(mukca_adjoint *adjoint, mukca_observations *observations,
+                           double *residual, const double *weight, double factor,
+                           const double *of_socket);
+
+/* gradient[n] of the weighted sum with respect to the free parameters. */
+void mukca_observe_gradient(double *gradient, mukca_observations *observations);
 
 #endif

@@ -156,10 +156,7 @@ static void predict_window(mukca_observations *o)
 
 void mukca_orientations_predict(mukca_observations *o)
 {
-    for (int v = 0; v < o->sweep.n_windows && o->turn_weight; v++) {
-        mukca_sweep_open(&o->sweep, v);
-        predict_window(o);
-    }
+    for (int v = 0; o->turn_weight && mukca_sweep_open(&o->sweep, v); v++) predict_window(o);
 }
 
 double mukca_orientations_squares(mukca_observations *o, bool weighted)
@@ -168,34 +165,19 @@ double mukca_orientations_squares(mukca_observations *o, bool weighted)
     return mukca_observe_sum(o, o->turn_residual, weighted ? o->turn_weight : NULL);
 }
 
-/* Adjoints in the open window, summed by element. */
-static void add_window(mukca_adjoint *adjoint, mukca_observations *o)
+void mukca_orientations_gradient(double *gradient, mukca_observations *o)
 {
-    mukca_sweep *s = &o->sweep;
-    const double *residual = mukca_observe_window(o->turn_residual, s);
-    double *h = s->h;
-    memset(h, 0, 3 * (size_t)s->padded * sizeof *h);
-    for (int i = 0; i < s->rows; i++)
-        for (int a = 0; a < 3; a++)
-            h[a * s->padded + i] = 2 * o->turn_weight[s->from + i] * MUKCA_METRES_PER_RADIAN *
-                                   residual[a * s->padded + i];
-    mukca_sweep_backward(adjoint, s);
-}
-
-void mukca_orientations_gradient(double *gradient, mukca_observations *o, const double *theta,
-                                 const mukca_parameters *parameters, mukca_gradient kind)
-{
+    const mukca_parameters *parameters = o->parameters;
     mukca_adjoint adjoint = {0};
     if (!o->turn_weight) return;
-    for (int v = 0; v < o->sweep.n_windows; v++) {
-        mukca_sweep_open(&o->sweep, v);
-        add_window(&adjoint, o);
-    }
+    for (int v = 0; mukca_sweep_open(&o->sweep, v); v++)
+        mukca_observe_adjoint(&adjoint, o, o->turn_residual, o->turn_weight,
+                              MUKCA_METRES_PER_RADIAN, NULL);
     for (int i = 0; i < parameters->n;) {
         const int k = parameters->index[i] / MUKCA_PARAMETERS;
         double dR[3][9], R[9], omega[3];
-        mukca_sweep_element_derivative(dR, theta + 6 * k + 3, kind);
-        mukca_rotation_from_rpy(R, theta + 6 * k + 3);
+        mukca_sweep_element_derivative(dR, o->theta + 6 * k + 3, o->kind);
+        mukca_rotation_from_rpy(R, o->theta + 6 * k + 3);
         for (; i < parameters->n && parameters->index[i] / MUKCA_PARAMETERS == k; i++) {
             const int parameter = parameters->index[i] % MUKCA_PARAMETERS;
             if (parameter < 3) continue;
@@ -245,17 +227,15 @@ static void finish_rows(double *J, double *JO, const mukca_observations *o, int 
         memset(JO, 0, 3 * (size_t)n * sizeof *JO);
 }
 
-static void jacobian_of(double *J, mukca_observations *o, const double *theta,
-                        const mukca_parameters *parameters, mukca_gradient kind)
+static void jacobian_of(double *J, mukca_observations *o)
 {
-    const long n = parameters->n;
+    const long n = o->parameters->n;
     mukca_sweep *sweep = &o->sweep;
     double *JO = o->turn_weight ? J + 3 * o->n_rows * n : NULL;
-    for (int v = 0; v < sweep->n_windows; v++) {
-        mukca_sweep_open(sweep, v);
+    for (int v = 0; mukca_sweep_open(sweep, v); v++) {
         if (sweep->n_windows > 1) mukca_sweep_forward(sweep); /* else still valid */
         const long at = 3 * sweep->from * n;
-        mukca_sweep_jacobian(J + at, JO ? JO + at : NULL, sweep, theta, parameters, kind);
+        mukca_sweep_jacobian(J + at, JO ? JO + at : NULL, sweep, o->theta, o->parameters, o->kind);
     }
     memset(o->mean_rows, 0, 3 * (size_t)(o->n_sockets * n) * sizeof *o->mean_rows);
     for (int i = 0; i < o->n_rows; i++) {
@@ -266,31 +246,27 @@ static void jacobian_of(double *J, mukca_observations *o, const double *theta,
     for (int s = 0; s < o->n_sockets; s++)
         for (int c = 0; c < 3 * n && o->count[s] > 0; c++)
             o->mean_rows[3 * s * n + c] /= o->count[s];
-    for (int v = 0; v < sweep->n_windows; v++) {
-        mukca_sweep_open(sweep, v);
+    for (int v = 0; mukca_sweep_open(sweep, v); v++)
         for (int i = sweep->from; i < sweep->from + sweep->rows; i++)
-            finish_rows(J + 3 * i * n, JO ? JO + 3 * i * n : NULL, o, parameters->n, i);
-    }
+            finish_rows(J + 3 * i * n, JO ? JO + 3 * i * n : NULL, o, (int)n, i);
     double *row = J + (o->turn_weight ? 6 : 3) * o->n_rows * n;
     for (int p = 0; p < o->n_pairs; p++, row += n) {
-        const double *a = o->mean_rows + 3 * o->pair[2 * p] * n;
-        const double *b = o->mean_rows + 3 * o->pair[2 * p + 1] * n;
-        const double *u = o->pair_direction + 3 * p;
+        const double *a = o->mean_rows + 3 * o->pair[p].a * n,
+                     *b = o->mean_rows + 3 * o->pair[p].b * n;
+        const double *u = o->pair[p].direction;
         for (int c = 0; c < n; c++)
             row[c] = u[0] * (a[c] - b[c]) + u[1] * (a[n + c] - b[n + c]) +
                      u[2] * (a[2 * n + c] - b[2 * n + c]);
     }
 }
 
-void mukca_observe_residuals(double *r, double *J, mukca_observations *o, const double *theta,
-                             const mukca_parameters *parameters, mukca_gradient kind)
+void mukca_observe_residuals(double *r, double *J, mukca_observations *o, const double *theta)
 {
     const int n = o->n_rows;
     mukca_sweep *s = &o->sweep;
     mukca_observe_predict(o, theta);
     mukca_orientations_predict(o);
-    for (int v = 0; v < s->n_windows; v++) {
-        mukca_sweep_open(s, v);
+    for (int v = 0; mukca_sweep_open(s, v); v++) {
         const double *residual = mukca_observe_window(o->residual, s);
         for (int i = 0; i < s->rows; i++)
             for (int a = 0; a < 3; a++) r[3 * (s->from + i) + a] = residual[a * s->padded + i];
@@ -298,7 +274,7 @@ void mukca_observe_residuals(double *r, double *J, mukca_observations *o, const 
         for (int i = 0; i < s->rows && residual; i++)
             for (int a = 0; a < 3; a++) r[3 * (n + s->from + i) + a] = residual[a * s->padded + i];
     }
-    memcpy(r + (o->turn_weight ? 6 : 3) * n, o->pair_residual,
-           (size_t)o->n_pairs * sizeof *o->pair_residual);
-    if (J) jacobian_of(J, o, theta, parameters, kind);
+    r += (o->turn_weight ? 6 : 3) * n;
+    for (int p = 0; p < o->n_pairs; p++) r[p] = o->pair[p].residual;
+    if (J) jacobian_of(J, o);
 }

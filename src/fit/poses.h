@@ -22,17 +22,14 @@ void mukca_orientations_predict(mukca_observations *observations);
 /* Sum of the squares, m^2, weighted or not. */
 double mukca_orientations_squares(mukca_observations *observations, bool weighted);
 
-/* Add to the gradient[n] of the weighted sum; theta must be that of the last prediction. */
-void mukca_orientations_gradient(double *gradient, mukca_observations *observations,
-                                 const double *theta, const mukca_parameters *parameters,
-                                 mukca_gradient kind);
+/* Add to the gradient[n] of the weighted sum. */
+void mukca_orientations_gradient(double *gradient, mukca_observations *observations);
 
 /* ---- residuals as one vector, and their Jacobian ---- */
 
 /* Residuals r[n_residuals] and their Jacobian J[n_residuals][n] (NULL: not wanted) at theta. */
 void mukca_observe_residuals(double *r, double *J, mukca_observations *observations,
-                             const double *theta, const mukca_parameters *parameters,
-                             mukca_gradient kind);
+                             const double *theta);
 
 /* Jacobians with respect to the n free parameters at theta: of the tip's position, J[3 * rows][n],
  * and of its orientation (rotation vector in base coordinates), JO[3 * rows][n] or NULL. Needs

@@ -62,7 +62,7 @@ static void model_marks(double marks[MARKS], const problem *p, const mukca_geome
 /* Pointer to the unknown of that index, in refit->theta or refit->zeros. */
 static double *unknown(mukca_refit *refit, const mukca_refit_task *task, int index)
 {
-    if (task->kind == MUKCA_REFIT_ZEROS) return &refit->zeros[index];
+    if (task->zeros_only) return &refit->zeros[index];
     const int element = task->chain->joint_element[index / MUKCA_PARAMETERS];
     return &refit->theta[MUKCA_PARAMETERS * element + index % MUKCA_PARAMETERS];
 }
@@ -137,14 +137,14 @@ static void set_postures(problem *p)
     }
 }
 
-/* With MUKCA_REFIT_ZEROS the origins are nominal; while it is fitted, except fixed ones (the tool),
+/* With `zeros_only` the origins are nominal; while it is fitted, except fixed ones (the tool),
  * whose offsets no zero should take up. */
 static void start(mukca_refit *refit, const mukca_refit_task *task)
 {
     const size_t one = MUKCA_PARAMETERS * sizeof *refit->theta;
     *refit = (mukca_refit){.mean = 0};
     memcpy(refit->theta, task->arm->theta, sizeof refit->theta);
-    for (int j = 0; j < task->chain->n_joints && task->kind == MUKCA_REFIT_ZEROS; j++) {
+    for (int j = 0; j < task->chain->n_joints && task->zeros_only; j++) {
         double nominal[MUKCA_MAX_THETA];
         const int at = MUKCA_PARAMETERS * task->chain->joint_element[j];
         mukca_chain_theta(nominal, task->chain);
@@ -157,7 +157,7 @@ mukca_status mukca_refit_run(mukca_refit *refit, const mukca_refit_task *task, m
     const int joints = task->chain->n_joints, given = task->postures ? task->n_postures : 0;
     const int rows = given > 1 ? given < RECORDED ? given : RECORDED : DRAWN;
     problem p = {.task = task, .n_rows = rows, .fitted = (rows + 1) / 2};
-    p.n_unknowns = task->kind == MUKCA_REFIT_ZEROS ? joints : MUKCA_PARAMETERS * joints;
+    p.n_unknowns = task->zeros_only ? joints : MUKCA_PARAMETERS * joints;
     const int n = p.n_unknowns, m = p.fitted * MARKS;
     mukca_pool pool = {0};
     p.q = MUKCA_TAKE(&pool, double, rows *joints);
@@ -172,7 +172,7 @@ mukca_status mukca_refit_run(mukca_refit *refit, const mukca_refit_task *task, m
     start(refit, task);
     refit->mean_before = score(&refit->largest, &p, refit);
     for (int round = 0; round < ROUNDS; round++) improve(&p, refit);
-    if (task->kind == MUKCA_REFIT_ZEROS) mukca_chain_theta(refit->theta, task->chain);
+    if (task->zeros_only) mukca_chain_theta(refit->theta, task->chain);
     refit->mean = score(&refit->largest, &p, refit);
     mukca_pool_free(&pool);
     return MUKCA_OK;

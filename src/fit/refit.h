@@ -4,24 +4,19 @@
 
 #include "arm/offsets.h"
 
-typedef enum {
-    MUKCA_REFIT_ORIGINS, /* origins of the actuated joints */
-    MUKCA_REFIT_ZEROS    /* only offsets of the joints' angles */
-} mukca_refit_kind;
-
 typedef struct {
     const mukca_chain *chain;
     const mukca_offsets *arm; /* origins and effects */
     const mukca_effect *held; /* [n_held] effects that the model can represent */
     int n_held;
-    mukca_refit_kind kind;
+    bool zeros_only; /* fit offsets of the joints' angles, not origins of the actuated joints */
     const double *postures; /* [n_postures][n_joints] working postures; NULL: joint ranges */
     int n_postures;
 } mukca_refit_task;
 
 typedef struct {
-    double theta[MUKCA_MAX_THETA];  /* of the model; nominal for MUKCA_REFIT_ZEROS */
-    double zeros[MUKCA_MAX_JOINTS]; /* rad, m; 0 for MUKCA_REFIT_ORIGINS */
+    double theta[MUKCA_MAX_THETA];  /* of the model; nominal with `zeros_only` */
+    double zeros[MUKCA_MAX_JOINTS]; /* rad, m; 0 without */
     /* Distance between the tips of model and arm, m, in held-out postures. */
     double mean, largest;
     double mean_before; /* before the fit: effects merely omitted */

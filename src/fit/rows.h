@@ -19,10 +19,9 @@ static inline void transpose(double At[9], const double A[9])
 /* B = A' M C for 3x3 matrices. */
 static inline void conjugate(double B[9], const double A[9], const double M[9], const double C[9])
 {
-    double MC[9], At[9];
-    transpose(At, A);
+    double MC[9];
     mukca_mat3_mul(MC, M, C);
-    mukca_mat3_mul(B, At, MC);
+    mukca_mat3_tmul(B, A, MC);
 }
 
 /* y[3][padded] = M x (+ p), M and p the same for all rows; y may be x. */

@@ -40,14 +40,16 @@ void mukca_sweep_take(mukca_sweep *sweep, mukca_pool *pool, const mukca_chain *c
     sweep->Q = MUKCA_TAKE(pool, double, 9 * widest);
 }
 
-void mukca_sweep_open(mukca_sweep *sweep, int window)
+bool mukca_sweep_open(mukca_sweep *sweep, int window)
 {
+    if (window >= sweep->n_windows) return false;
     sweep->from = window * MUKCA_SWEEP_WINDOW;
     const int left = sweep->n_rows - sweep->from;
     sweep->rows = left < MUKCA_SWEEP_WINDOW ? left : MUKCA_SWEEP_WINDOW;
     sweep->padded = (sweep->rows + LANES - 1) / LANES * LANES;
     sweep->sine = sweep->turns + 2L * sweep->n_joints * sweep->from;
     sweep->cosine = sweep->sine + sweep->n_joints * sweep->padded;
+    return true;
 }
 
 /* Joint angles of the open window, q[rows][n_joints]. */
@@ -67,10 +69,8 @@ static void load_window(mukca_sweep *sweep, const mukca_chain *chain, const doub
 
 void mukca_sweep_load(mukca_sweep *sweep, const mukca_chain *chain, const double *q)
 {
-    for (int v = 0; v < sweep->n_windows; v++) {
-        mukca_sweep_open(sweep, v);
+    for (int v = 0; mukca_sweep_open(sweep, v); v++)
         load_window(sweep, chain, q + (long)sweep->from * sweep->n_joints);
-    }
 }
 
 void mukca_sweep_origins(mukca_sweep *sweep, const double *theta)

@@ -39,8 +39,8 @@ void mukca_sweep_take(mukca_sweep *sweep, mukca_pool *pool, const mukca_chain *c
 /* Load joint angles q[n_rows][n_joints]; opens the last window. */
 void mukca_sweep_load(mukca_sweep *sweep, const mukca_chain *chain, const double *q);
 
-/* Open a window, 0 <= window < n_windows: the functions below apply to its samples. */
-void mukca_sweep_open(mukca_sweep *sweep, int window);
+/* Open a window: the functions below apply to its samples.  False: there is none of this number. */
+bool mukca_sweep_open(mukca_sweep *sweep, int window);
 
 /* Set the origins from theta[6 * n_elements]. */
 void mukca_sweep_origins(mukca_sweep *sweep, const double *theta);

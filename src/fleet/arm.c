@@ -365,7 +365,7 @@ void mukca_traits_correct(mukca_dataset *data, const mukca_chain *chain, const m
             .payload_kg = data->payload && isfinite(data->payload[row]) ? data->payload[row] : 0,
             .placement = -1};
         mukca_displacement d = {0};
-        mukca_effects_displacement(&d, effects, n, chain, &nominal, q, &state);
+        mukca_effects_displacement(&d, effects, n, chain, &nominal, &state);
         mukca_fk_position(from, &nominal, q, NULL);
         mukca_fk_position(to, &nominal, q, &d);
         for (int c = 0; c < 3; c++) to[c] -= from[c];

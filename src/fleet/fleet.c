@@ -92,7 +92,7 @@ static bool is_possible(const mukca_summary *s, int terms)
         if (!(A[i * terms + i] >= 0) || !isfinite(s->vector[i])) return false;
         A[i * terms + i] = A[i * terms + i] * (1 + 1e-9) + 1; /* rounding in the file */
     }
-    return mukca_dense_cholesky(A, terms) == 0;
+    return mukca_dense_cholesky(A, terms);
 }
 
 mukca_status mukca_fleet_take(mukca_fleet *f, const mukca_summary *s, mukca_error *error)

@@ -52,7 +52,7 @@ static bool arm_information(double *W, double *w, const mukca_population *p, con
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++) W[i * n + j] = P[i * n + j] + X[i * width + j];
     /* With the information L of the arm: L - L (P + L)^-1 L = P (P + L)^-1 L. */
-    if (mukca_dense_solve(X, width, W, n)) return false;
+    if (!mukca_dense_solve(X, width, W, n)) return false;
     for (int i = 0; i < n; i++)
         for (int j = 0; j < width; j++) {
             double sum = 0;
@@ -90,7 +90,7 @@ static void solve_mean(mukca_population *p)
             for (int j = 0; j <= i; j++)
                 A[i * n + j] = held[i] || held[j] ? i == j : p->information[i * n + j];
         }
-        if (mukca_dense_solve(b, 1, A, n)) return;
+        if (!mukca_dense_solve(b, 1, A, n)) return;
         for (int i = 0; i < n; i++)
             if (b[i] < 0 && (worst < 0 || b[i] < b[worst])) worst = i;
         if (worst < 0) break;
@@ -200,7 +200,7 @@ static void add_set(average *a, mukca_population *p, const mukca_set *set, doubl
         C[i * m + i] = 1;
         for (int j = 0; j <= i; j++) A[i * m + j] = p->information[index[i] * n + index[j]];
     }
-    if (m && mukca_dense_solve(C, m, A, m)) return;
+    if (m && !mukca_dense_solve(C, m, A, m)) return;
     a->total += weight;
     for (int i = 0; i < m; i++)
         for (int j = 0; j < m; j++) mean[i] += C[i * m + j] * p->vector[index[j]];
@@ -280,7 +280,7 @@ static bool fit_population(mukca_population *p, const mukca_fleet *f, int withou
     memcpy(A, p->information, sizeof *A * (size_t)(p->n * p->n));
     memset(C, 0, sizeof p->average_covariance);
     for (int i = 0; i < p->n; i++) C[i * p->n + i] = 1;
-    if (mukca_dense_solve(C, p->n, A, p->n)) p->n = 0;
+    if (!mukca_dense_solve(C, p->n, A, p->n)) p->n = 0;
     for (int i = 0; i < p->n; i++) p->trait[i].error = sqrt(C[i * p->n + i]);
     return take_average(p);
 }
@@ -317,7 +317,7 @@ static bool compare_with_sisters(comparison *c, const mukca_fleet *f, int arm, i
         P[i * n + i] = 1;
     }
     memcpy(c->W, c->V, sizeof *c->V * (size_t)(n * n));
-    if (mukca_dense_solve(P, n, c->W, n) || !arm_information(c->W, c->r, p, f, arm, P))
+    if (!mukca_dense_solve(P, n, c->W, n) || !arm_information(c->W, c->r, p, f, arm, P))
         return false;
     for (int i = 0; i < n; i++)
         for (int k = 0; k < n; k++) c->r[i] -= c->W[i * n + k] * c->mean[k];

@@ -197,7 +197,7 @@ bool mukca_given_leave_out(double *M, double *w, const mukca_sets *s, int member
     const int at = s->integrated.at[member];
     memset(M, 0, sizeof *M * (size_t)(terms * terms));
     mukca_dense_symmetric(M, T, T, s->integrated.posterior.n - at);
-    if (mukca_dense_cholesky(M, terms)) return false;
+    if (!mukca_dense_cholesky(M, terms)) return false;
     memcpy(w, s->integrated.x + at, sizeof *w * (size_t)terms);
     mukca_dense_forward(w, 1, M, terms);
     return true;

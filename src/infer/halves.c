@@ -24,7 +24,7 @@ bool mukca_part_question(mukca_question *question, mukca_pool *pool, double *gra
         L[i * n + i] += 1;
         memcpy(T + i * wide, gram + i * width + n, sizeof *T * (size_t)rest);
     }
-    ok = ok && !mukca_dense_cholesky(L, n);
+    ok = ok && mukca_dense_cholesky(L, n);
     if (ok) {
         mukca_dense_forward8(T, wide, wide, L, n);
         mukca_dense_symmetric(explained, (mukca_columns){T, wide, wide},

@@ -47,7 +47,7 @@ MUKCA_CLONES bool mukca_posterior_solve(mukca_posterior *p, double *mean)
         L[i * n + i] += 1;
         z[i] *= p->prior[i];
     }
-    if (mukca_dense_cholesky(L, n)) return false;
+    if (!mukca_dense_cholesky(L, n)) return false;
     mukca_dense_forward(z, 1, L, n);
     p->log_det = 0;
     for (int i = 0; i < n; i++) {

@@ -105,7 +105,7 @@ static mukca_status replace(replacement *r, const mukca_export_input *input,
                                    .arm = input->offsets,
                                    .held = r->offsets.effects,
                                    .n_held = r->offsets.n_effects,
-                                   .kind = zeros ? MUKCA_REFIT_ZEROS : MUKCA_REFIT_ORIGINS,
+                                   .zeros_only = zeros,
                                    .postures = input->postures,
                                    .n_postures = input->n_postures};
     MUKCA_TRY(mukca_refit_run(&r->refit, &task, input->error));

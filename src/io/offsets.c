@@ -32,11 +32,9 @@ static void write_acceptance(FILE *stream, const mukca_acceptance *a)
     fprintf(stream, "# converged: %s\n", a->converged ? "yes" : "no");
     if (a->error_of[0]) mukca_offset_line(stream, "error_of: ", a->error_of);
     if (a->at_rest[0]) mukca_offset_line(stream, "joints_at_rest: ", a->at_rest);
-    for (const mukca_acceptance_number *n = mukca_acceptance_numbers; n->key; n++) {
-        double value;
-        memcpy(&value, (const char *)a + n->offset, sizeof value);
-        if (isfinite(value)) fprintf(stream, "# %s: %.6g\n", n->key, value);
-    }
+    for (int i = 0; i < MUKCA_ACCEPTANCE_NUMBERS; i++)
+        if (isfinite(a->number[i]))
+            fprintf(stream, "# %s: %.6g\n", mukca_acceptance_key[i], a->number[i]);
 }
 
 /* Write all lines but that of the digest; rows[MUKCA_MAX_OFFSET_ROWS] is scratch. */

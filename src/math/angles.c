@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "mukca/rotation.h"
+#include "math/dense.h"
 
 /* The axes of the turns, 0 to 2; true: about fixed axes. */
 static bool read_axes(int axis[3], const char *convention)
@@ -35,11 +35,9 @@ void mukca_angles_to_rotation(double R[9], const double numbers[3], const char *
     const bool fixed = read_axes(axis, convention);
     memcpy(R, (const double[])MUKCA_IDENTITY, 9 * sizeof *R);
     for (int i = 0; i < 3; i++) {
-        double turn[9], before[9], w[3] = {0};
+        double w[3] = {0};
         w[axis[i]] = numbers[i];
-        mukca_rotation_exp(turn, w);
-        memcpy(before, R, sizeof before);
-        mukca_mat3_mul(R, fixed ? turn : before, fixed ? before : turn);
+        mukca_rotation_turn(R, w, !fixed);
     }
 }
 

@@ -25,9 +25,9 @@ void mukca_dense_xty(double *C, mukca_columns X, mukca_columns Y, int m);
 void mukca_dense_xty_part(double *C, int ldc, mukca_columns X, mukca_columns Y, int m);
 void mukca_dense_symmetric(double *C, mukca_columns X, mukca_columns Y, int m);
 
-/* Cholesky A = L L' in place (lower; the upper triangle is unchanged).  Returns 0, or 1 + the
- * index of the first pivot that is not positive (also for NaN). */
-int mukca_dense_cholesky(double *A, int n);
+/* Cholesky A = L L' in place (lower; the upper triangle is unchanged).  False: a pivot is not
+ * positive (also for NaN). */
+bool mukca_dense_cholesky(double *A, int n);
 
 /* Columns [0, i) of the factor's rows i to i + 7, by forward substitution with the rows as
  * right-hand sides, and their subtraction from the next eight columns; 13 kB of stack. */
@@ -35,7 +35,7 @@ enum { MUKCA_DENSE_WIDEST = 200 }; /* largest i */
 void mukca_dense_eight_rows(double *A, int i, int n);
 
 /* Solve A x = b in place for k right-hand sides b[n][k]; A as above.  Returns likewise. */
-int mukca_dense_solve(double *b, int k, double *A, int n);
+bool mukca_dense_solve(double *b, int k, double *A, int n);
 
 /* Solve L x = b, and L' x = b, in place for k right-hand sides b[n][k]. */
 void mukca_dense_forward(double *b, int k, const double *L, int n);
@@ -54,8 +54,8 @@ void mukca_dense_forward_part(double *b, int ld, const double *L, int ldl, int n
 
 /* One-sided Jacobi SVD of A[n][n] in place: A becomes U (columns with singular value > 0 are
  * orthonormal), s[n] descending, V[n][n] (A = U diag(s) V').  Of more rows: mukca_dense_qr_absorb
- * first.  Returns 0, or 1 without convergence in 60 sweeps (also for NaN or infinity). */
-int mukca_dense_svd(double *A, double *s, double *V, int n);
+ * first.  False: no convergence in 60 sweeps (also for NaN or infinity). */
+bool mukca_dense_svd(double *A, double *s, double *V, int n);
 
 /* Remove the columns first .. end - 1 of X[rows][width] from those after them (Gram-Schmidt). */
 void mukca_dense_project(double *X, int rows, int width, int first, int end);
@@ -67,6 +67,16 @@ void mukca_dense_qr_absorb(double *R, double *A, int m, int n, int k);
 
 /* x[n] of least squares from R[n][n + 1]; 0 where nothing determines it. */
 void mukca_dense_qr_solve(double *x, const double *R, int n);
+
+/* R := exp([w]x) R, or R exp([w]x) with `own_axes`. */
+void mukca_rotation_turn(double R[9], const double w[3], bool own_axes);
+
+/* y = R x + p */
+static inline void mukca_frame_point(double y[3], const mukca_frame *T, const double x[3])
+{
+    mukca_mat3_vec(y, T->R, x);
+    for (int i = 0; i < 3; i++) y[i] += T->p[i];
+}
 
 /* The pose that brings n points `from` nearest to the points `to`; `stride` numbers from one point
  * to the next. */

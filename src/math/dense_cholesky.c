@@ -5,7 +5,7 @@
 #include "math/dense.h"
 #include "math/four.h"
 
-MUKCA_CLONES int mukca_dense_cholesky(double *A, int n)
+MUKCA_CLONES bool mukca_dense_cholesky(double *A, int n)
 {
     int done = 0; /* columns computed by mukca_dense_eight_rows() */
     for (int i = 0; i < n; i++) {
@@ -19,10 +19,10 @@ MUKCA_CLONES int mukca_dense_cholesky(double *A, int n)
             row[j] = (row[j] - dot4(row + done, other + done, j - done)) / other[j];
         }
         double pivot = row[i] - dot4(row + done, row + done, i - done);
-        if (!(pivot > 0) || isinf(pivot)) return 1 + i;
+        if (!(pivot > 0) || isinf(pivot)) return false;
         row[i] = sqrt(pivot);
     }
-    return 0;
+    return true;
 }
 
 MUKCA_CLONES void mukca_dense_forward(double *b, int k, const double *L, int n)
@@ -77,11 +77,10 @@ double mukca_dense_variance(double *a, const double *L, int n)
     return sum;
 }
 
-int mukca_dense_solve(double *b, int k, double *A, int n)
+bool mukca_dense_solve(double *b, int k, double *A, int n)
 {
-    const int failed = mukca_dense_cholesky(A, n);
-    if (failed) return failed;
+    if (!mukca_dense_cholesky(A, n)) return false;
     mukca_dense_forward(b, k, A, n);
     mukca_dense_backward(b, k, A, n);
-    return 0;
+    return true;
 }

@@ -66,7 +66,7 @@ MUKCA_INLINE bool orthogonalise(double *A, double *V, int n)
     return false;
 }
 
-MUKCA_CLONES int mukca_dense_svd(double *A, double *s, double *V, int n)
+MUKCA_CLONES bool mukca_dense_svd(double *A, double *s, double *V, int n)
 {
     for (int i = 0; i < n * n; i++) V[i] = i % (n + 1) == 0;
     transpose(A, n); /* for contiguous columns */
@@ -78,7 +78,7 @@ MUKCA_CLONES int mukca_dense_svd(double *A, double *s, double *V, int n)
     }
     transpose(A, n);
     transpose(V, n);
-    return converged ? 0 : 1;
+    return converged;
 }
 
 void mukca_dense_project(double *X, int rows, int w, int first, int end)

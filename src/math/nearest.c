@@ -5,10 +5,18 @@
 #include "math/dense.h"
 #include "mukca/rotation.h"
 
+void mukca_rotation_turn(double R[9], const double w[3], bool own_axes)
+{
+    double turn[9], turned[9];
+    mukca_rotation_exp(turn, w);
+    mukca_mat3_mul(turned, own_axes ? R : turn, own_axes ? turn : R);
+    memcpy(R, turned, sizeof turned);
+}
+
 /* Turn R by the least angle that takes R u to v; u and v are unit vectors. */
 static void turn_onto(double R[9], const double u[3], const double v[3])
 {
-    double w[3], axis[3], other[3], turn[9], before[9];
+    double w[3], axis[3], other[3];
     mukca_mat3_vec(w, R, u);
     mukca_cross(axis, w, v);
     const double sine = mukca_norm3(axis), angle = atan2(sine, mukca_dot3(w, v));
@@ -16,16 +24,15 @@ static void turn_onto(double R[9], const double u[3], const double v[3])
         for (int i = 0; i < 3; i++) axis[i] /= sine;
     else /* the same, or opposite: any axis */
         mukca_rotation_transverse(axis, other, w);
-    mukca_rotation_about(turn, axis, angle);
-    memcpy(before, R, sizeof before);
-    mukca_mat3_mul(R, turn, before);
+    for (int i = 0; i < 3; i++) axis[i] *= angle;
+    mukca_rotation_turn(R, axis, false);
 }
 
 void mukca_rotation_nearest(double R[9], const double H[9])
 {
     double U[9], s[3], V[9], u[3][3], v[3][3]; /* columns of U and V */
     memcpy(U, H, sizeof U);
-    if (mukca_dense_svd(U, s, V, 3) || !(s[0] > 0)) return;
+    if (!mukca_dense_svd(U, s, V, 3) || !(s[0] > 0)) return;
     for (int c = 0; c < 2; c++)
         for (int i = 0; i < 3; i++) u[c][i] = U[3 * i + c], v[c][i] = V[3 * i + c];
     if (!(s[1] > 1e-9 * s[0])) {
@@ -62,8 +69,7 @@ static void meeting_rows(double rows[6 * MEETING_ROW], const mukca_frame *base,
 {
     const double w = sqrt(p->weight), v = isnan(p->turned[0]) ? 0 : w * m->per_radian;
     double at[3], lever[3], BF[9], BFT[9], off[3] = {0};
-    mukca_mat3_vec(at, p->from.R, tool->p);
-    for (int k = 0; k < 3; k++) at[k] += p->from.p[k];
+    mukca_frame_point(at, &p->from, tool->p);
     mukca_mat3_vec(lever, base->R, at);
     mukca_mat3_mul(BF, base->R, p->from.R);
     mukca_mat3_mul(BFT, BF, tool->R);
@@ -84,14 +90,6 @@ static void meeting_rows(double rows[6 * MEETING_ROW], const mukca_frame *base,
         row[MUKCA_MEETING] = w * (p->to[k] - base->p[k] - lever[k]);
         turn[MUKCA_MEETING] = v * off[k];
     }
-}
-
-static void turn_by(double R[9], const double w[3], bool own_axes)
-{
-    double turn[9], turned[9];
-    mukca_rotation_exp(turn, w);
-    mukca_mat3_mul(turned, own_axes ? R : turn, own_axes ? turn : R);
-    memcpy(R, turned, sizeof turned);
 }
 
 double mukca_frame_refine(double R[MUKCA_MEETING_FACTOR], mukca_frame *base, mukca_frame *tool,
@@ -120,8 +118,8 @@ double mukca_frame_refine(double R[MUKCA_MEETING_FACTOR], mukca_frame *base, muk
         if (!isfinite(x[i])) return 0;
         largest = fmax(largest, fabs(x[i]));
     }
-    turn_by(base->R, x + 3, false);
-    turn_by(tool->R, x + 9, true);
+    mukca_rotation_turn(base->R, x + 3, false);
+    mukca_rotation_turn(tool->R, x + 9, true);
     for (int k = 0; k < 3; k++) base->p[k] += x[k], tool->p[k] += x[6 + k];
     return largest;
 }

@@ -40,7 +40,7 @@ double mukca_random_uniform(mukca_random *random)
 double mukca_random_normal(mukca_random *random)
 {
     if (random->has_spare) {
-        random->has_spare = 0;
+        random->has_spare = false;
         return random->spare;
     }
     double u, v, s;
@@ -51,7 +51,7 @@ double mukca_random_normal(mukca_random *random)
     } while (s >= 1 || s == 0);
     double factor = sqrt(-2 * log(s) / s);
     random->spare = v * factor;
-    random->has_spare = 1;
+    random->has_spare = true;
     return u * factor;
 }
 

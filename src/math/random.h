@@ -2,12 +2,13 @@
 #ifndef MUKCA_MATH_RANDOM_H
 #define MUKCA_MATH_RANDOM_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 typedef struct {
     uint64_t state[4];
     double spare; /* second normal variate of the polar method */
-    int has_spare;
+    bool has_spare;
 } mukca_random;
 
 mukca_random mukca_random_seeded(uint64_t seed);

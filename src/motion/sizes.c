@@ -143,7 +143,7 @@ static void project(double *slope, const measured *w, const mukca_set *set, int 
                 x[i] = G[at[i] * p->columns.n + w->plain[a]];
                 for (int k = 0; k < n; k++) L[i * n + k] = G[at[i] * p->columns.n + at[k]];
             }
-            if (mukca_dense_cholesky(L, n)) return;
+            if (!mukca_dense_cholesky(L, n)) return;
             mukca_dense_forward(x, 1, L, n);
             mukca_dense_backward(x, 1, L, n);
             slope[a] = x[index];

@@ -146,7 +146,7 @@ static bool solve(double *x, double *L, const double *G, int width)
         L[i * n + i] += 1;
         x[i] = G[i * width + n];
     }
-    if (mukca_dense_cholesky(L, n)) return false;
+    if (!mukca_dense_cholesky(L, n)) return false;
     mukca_dense_forward(x, 1, L, n);
     mukca_dense_backward(x, 1, L, n);
     x[n] = -1;

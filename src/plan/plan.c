@@ -161,18 +161,20 @@ void mukca_plan_free(mukca_plan *plan)
     memset(plan, 0, sizeof *plan);
 }
 
-int mukca_plan_sockets(mukca_plan_socket *sockets, int room, const mukca_geometry *geometry,
-                       const mukca_dataset *data)
+int mukca_plan_sockets(mukca_plan_socket *sockets, int room, int *left_out,
+                       const mukca_geometry *geometry, const mukca_dataset *data)
 {
     int n = 0;
-    for (int k = 0; k < data->n_sockets && n < room; k++) {
-        double centre[3];
-        if (!mukca_socket_mean(centre, geometry, data, k, -1)) continue;
-        mukca_plan_socket *s = &sockets[n++];
-        s->place = data->sockets[k].placement;
-        memcpy(s->label, data->sockets[k].label, sizeof s->label);
-        memcpy(s->placement, data->placements[s->place].name, sizeof s->placement);
-        memcpy(s->centre, centre, sizeof s->centre);
+    *left_out = 0;
+    for (int k = 0; k < data->n_sockets; k++) {
+        mukca_plan_socket s = {.place = data->sockets[k].placement};
+        if (!mukca_socket_mean(s.centre, geometry, data, k, -1)) continue;
+        memcpy(s.label, data->sockets[k].label, sizeof s.label);
+        memcpy(s.placement, data->placements[s.place].name, sizeof s.placement);
+        if (n < room)
+            sockets[n++] = s;
+        else
+            ++*left_out;
     }
     return n;
 }

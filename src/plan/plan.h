@@ -63,9 +63,10 @@ typedef struct {
                          MUKCA_PLAN_NAME; 0: more than 1000, or planned for accuracy */
 } mukca_plan;
 
-/* Sockets of a dataset, with the centres that `geometry` predicts.  Returns their number. */
-int mukca_plan_sockets(mukca_plan_socket *sockets, int room, const mukca_geometry *geometry,
-                       const mukca_dataset *data);
+/* Sockets of a dataset with samples, at most `room`, and the centres that `geometry` predicts.
+ * Returns their number; *left_out: that of the others. */
+int mukca_plan_sockets(mukca_plan_socket *sockets, int room, int *left_out,
+                       const mukca_geometry *geometry, const mukca_dataset *data);
 
 /* Input of a plan. */
 typedef struct {

@@ -11,10 +11,8 @@
 
 enum { WIDE = 8 }; /* row stride of three right-hand sides: solved as fast as two */
 
-enum {
-    SPOTS = 50,
-    POSES = 12
-}; /* points, and postures at each: enough for their mean within a few % */
+/* Points, and postures at each: enough for their mean within a few %. */
+enum { SPOTS = 50, POSES = 12 };
 
 /* ---- unknowns and derivatives ---- */
 
@@ -80,7 +78,7 @@ void mukca_plan_design(double *H, const mukca_plan_state *s, const double *q, in
             H[a * size + i] = J[a * all + s->parameters.index[i]] * s->sigma[i];
         H[a * size + s->n] = -position[a];
     }
-    if (s->n_effects) add_effects(H, s, &state, position);
+    add_effects(H, s, &state, position);
 }
 
 /* ---- information ---- */
@@ -152,7 +150,7 @@ void mukca_plan_state_refresh(mukca_plan_state *s)
 static double factor(double *A, int m)
 {
     double sum = 0;
-    if (mukca_dense_cholesky(A, m) != 0) return -HUGE_VAL;
+    if (!mukca_dense_cholesky(A, m)) return -HUGE_VAL;
     for (int i = 0; i < m; i++) sum += 2 * log(A[i * m + i]);
     return sum;
 }

@@ -16,7 +16,6 @@ typedef struct {
     mukca_dataset rows;
     mukca_frame nominal[PREVIEW], measured[PREVIEW];
     double work[PREVIEW];
-    int oriented;
 } preview;
 
 static mukca_status load_preview(preview *p, const mukca_dataset *log, mukca_error *error)
@@ -25,9 +24,8 @@ static mukca_status load_preview(preview *p, const mukca_dataset *log, mukca_err
     const mukca_status status = mukca_part_take(rows, log, PREVIEW, error);
     for (int i = 0; i < rows->n_rows && status == MUKCA_OK; i++) {
         memcpy(p->measured[i].p, rows->position + 3 * i, sizeof p->measured[i].p);
-        if (!mukca_pose_oriented(rows, i)) continue;
-        mukca_rotation_from_quaternion(p->measured[i].R, rows->quaternion + 4 * i);
-        p->oriented++;
+        if (mukca_pose_oriented(rows, i))
+            mukca_rotation_from_quaternion(p->measured[i].R, rows->quaternion + 4 * i);
     }
     return status;
 }
@@ -40,18 +38,14 @@ static void predict_poses(preview *p, int element)
         mukca_fk_pose(&p->nominal[i], &p->geometry, p->rows.q + i * p->rows.n_joints, NULL);
 }
 
-static double position_median(preview *p)
-{
-    const int n = p->rows.n_rows;
-    for (int i = 0; i < n; i++) p->work[i] = mukca_distance3(p->nominal[i].p, p->measured[i].p);
-    return mukca_stats_median(p->work, n);
-}
-
-static double rotation_median(preview *p)
+/* Median error of the positions, m, or of the orientations, rad; 0 without any. */
+static double median_error(preview *p, bool rotation)
 {
     int n = 0;
     for (int i = 0; i < p->rows.n_rows; i++)
-        if (mukca_pose_oriented(&p->rows, i))
+        if (!rotation)
+            p->work[n++] = mukca_distance3(p->nominal[i].p, p->measured[i].p);
+        else if (mukca_pose_oriented(&p->rows, i))
             p->work[n++] = mukca_rotation_between(p->nominal[i].R, p->measured[i].R);
     return mukca_stats_median(p->work, n);
 }
@@ -89,16 +83,16 @@ static mukca_status check_frames(mukca_pose_check *check, preview *p, mukca_erro
     double best = HUGE_VAL, best_turn = HUGE_VAL, median;
     for (int k = last; k >= 0; k--) {
         predict_poses(p, k);
-        median = position_median(p);
+        median = median_error(p, false);
         /* prefer the tip unless another link fits much better */
         if (median < (best == HUGE_VAL ? 1 : 0.5) * best)
             best = median, check->position_element = k;
-        median = p->oriented ? rotation_median(p) : 0;
+        median = median_error(p, true);
         if (median < (best_turn == HUGE_VAL ? 1 : 0.5) * best_turn)
             best_turn = median, check->rotation_element = k;
     }
     predict_poses(p, check->position_element);
-    median = p->oriented ? rotation_median(p) : 0;
+    median = median_error(p, true);
     if (median <= 1.5 * best_turn) /* no link fits the orientations much better */
         best_turn = median, check->rotation_element = check->position_element;
     if (best > 0.1)
@@ -120,7 +114,7 @@ static mukca_status check_frames(mukca_pose_check *check, preview *p, mukca_erro
         predict_poses(p, check->position_element);
         mukca_mat3_tmul(check->turn, p->nominal[0].R, of_rotation.R);
     }
-    if (p->oriented && best_turn > 0.1)
+    if (best_turn > 0.1)
         return mukca_fail(
             error, MUKCA_INPUT,
             "the orientations differ by %.3f rad (median) from those of every link, "

@@ -56,8 +56,6 @@ mukca_status mukca_pose_log_trim(mukca_dataset *kept, const mukca_geometry *geom
 
 /* ---- the arm with a parameter for each joint zero (split.c) ---- */
 
-enum { MUKCA_UNKNOWN_TEXT = MUKCA_NAME_SIZE + 16 };
-
 /* Each joint is a fixed element with the origin, whose x y z are the link offsets, and one that
  * turns about x, y or z from there, whose angle about that axis is the zero. */
 typedef struct {
@@ -73,8 +71,8 @@ mukca_status mukca_split_arm_set(mukca_split_arm *split, const mukca_chain *arm,
 
 /* A parameter of a fit of split arms in the words of the arm. */
 typedef struct {
-    char text[MUKCA_UNKNOWN_TEXT]; /* "joint zero", "joint x", "base turn z", ... */
-    int element;                   /* of the arm; -1: a frame of the poses */
+    char text[MUKCA_NAME_SIZE + 16]; /* "joint zero", "joint x", "base turn z", ... */
+    int element;                     /* of the arm; -1: a frame of the poses */
     double sign;
     bool angle; /* rad, else m */
 } mukca_unknown;

@@ -63,7 +63,7 @@ static void displace(mukca_displacement *displacement, const double *q, void *co
     if (r->data->command)
         memcpy(r->data->command + (size_t)r->row * (size_t)n, meant, (size_t)n * sizeof *meant);
     mukca_effects_displacement(displacement, r->arm->effects, r->arm->n_effects, &r->arm->chain,
-                               &r->arm->geometry, q, &state);
+                               &r->arm->geometry, &state);
 }
 
 /* Replace the angles of the sample, the commands so far, by the readings of the sagging joints. */
@@ -78,7 +78,7 @@ static void read_sag(recorder *r)
         if (mukca_effect_table[r->arm->effects[e].kind]->needs & MUKCA_NEEDS_COMMANDS)
             sagging[count++] = r->arm->effects[e];
     if (count == 0) return;
-    mukca_effects_displacement(&sag, sagging, count, &r->arm->chain, &r->arm->geometry, q,
+    mukca_effects_displacement(&sag, sagging, count, &r->arm->chain, &r->arm->geometry,
                                &r->states.state);
     for (size_t j = 0; j < n; j++) q[j] += sag.q[j];
 }

@@ -29,8 +29,8 @@ static const mukca_acceptance *calibrate(void)
     const mukca_fit_options options = {0};
     assert_ok(mukca_fit_run(&fit, &arm.chain, &data, &options, &error));
     mukca_fit_offsets(&table, &fit);
-    mukca_cross_validation held;
-    assert_ok(mukca_fit_cross_validate(&held, &fit, &arm.chain, &data, NULL, &options, &error));
+    mukca_cross_validation held = {.held = NULL};
+    assert_ok(mukca_fit_cross_validate(&held, &fit, &arm.chain, &data, &options, &error));
     assert_ok(mukca_accept_fit(&table, &fit, &held, &data, &options, &error));
     mukca_cross_validation_free(&held);
     return &table.acceptance;

@@ -54,7 +54,7 @@ TEST(test_cholesky)
     for (int k = 1; k <= K; k += 5) {
         memcpy(L, A, sizeof L);
         memcpy(x, b, sizeof x);
-        assert_int_equal(mukca_dense_cholesky(L, N), 0);
+        assert_true(mukca_dense_cholesky(L, N));
         mukca_dense_forward(x, k, L, N);
         mukca_dense_backward(x, k, L, N);
         for (int i = 0; i < N; i++)
@@ -65,9 +65,9 @@ TEST(test_cholesky)
             }
     }
     A[7 * N + 7] = -1;
-    assert_int_equal(mukca_dense_cholesky(A, N), 8);
+    assert_false(mukca_dense_cholesky(A, N));
     double nan1[4] = {1, 0, 0, NAN};
-    assert_int_equal(mukca_dense_cholesky(nan1, 2), 2);
+    assert_false(mukca_dense_cholesky(nan1, 2));
 }
 
 /* U' U = I, V' V = I, U S V' = A, s descending. */
@@ -75,7 +75,7 @@ static void check_svd(const double *A, int n, double tolerance)
 {
     static double U[MAX * MAX], V[MAX * MAX], s[MAX];
     memcpy(U, A, (size_t)(n * n) * sizeof *A);
-    assert_int_equal(mukca_dense_svd(U, s, V, n), 0);
+    assert_true(mukca_dense_svd(U, s, V, n));
     for (int a = 0; a < n; a++)
         for (int b = 0; b < n; b++) {
             double uu = 0, vv = 0;
@@ -110,20 +110,20 @@ TEST(test_svd)
 
     /* Known values: the 5 x 5 Hilbert matrix, and a graded diagonal to full relative accuracy. */
     for (int i = 0; i < 25; i++) A[i] = hilbert(i / 5, i % 5);
-    assert_int_equal(mukca_dense_svd(A, s, V, 5), 0);
+    assert_true(mukca_dense_svd(A, s, V, 5));
     assert_close(s[0], 1.5670506910982307, 1e-14);
     assert_close(s[4], 3.2879287721718e-06, 1e-16);
     double graded[] = {1e-18, 0, 0, 0, 1, 0, 0, 0, 1e-9};
-    assert_int_equal(mukca_dense_svd(graded, s, V, 3), 0);
+    assert_true(mukca_dense_svd(graded, s, V, 3));
     assert_close(s[0], 1, 0);
     assert_close(s[1], 1e-9, 1e-24);
     assert_close(s[2], 1e-18, 1e-33);
     double dust[] = {1, 1e-170, 1, 1e-160 + 1e-170}; /* squares underflow, products do not */
-    assert_int_equal(mukca_dense_svd(dust, s, V, 2), 0);
+    assert_true(mukca_dense_svd(dust, s, V, 2));
     assert_close(s[0], sqrt(2), 1e-15);
     double bad[] = {1, NAN, 2, 3}, huge[] = {1, INFINITY, 2, 3};
-    assert_int_equal(mukca_dense_svd(bad, s, V, 2), 1);
-    assert_int_equal(mukca_dense_svd(huge, s, V, 2), 1);
+    assert_false(mukca_dense_svd(bad, s, V, 2));
+    assert_false(mukca_dense_svd(huge, s, V, 2));
 }
 
 /* R'R = A'A and the residual, however the rows are cut. */

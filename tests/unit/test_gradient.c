@@ -120,8 +120,7 @@ static void check_point(const mukca_selection *selection, mukca_cost_options opt
 
         /* the Jacobian: 2 J'W r is the gradient of what is not regularisation */
         const int m = cost.observations.n_residuals;
-        mukca_observe_residuals(cost.r, cost.J, &cost.observations, theta, &parameters,
-                                (mukca_gradient)kind);
+        mukca_observe_residuals(cost.r, cost.J, &cost.observations, theta);
         for (int c = 0; c < n; c++) {
             got[kind][c] = 0;
             for (int i = 0; i < m; i++)
@@ -137,8 +136,7 @@ static void check_point(const mukca_selection *selection, mukca_cost_options opt
             for (int side = 0; side < 2; side++) {
                 memcpy(moved, theta, (size_t)(6 * chain.n_elements) * sizeof *moved);
                 moved[parameters.index[c]] += side ? -1e-5 : 1e-5;
-                mukca_observe_residuals(high + side * m, NULL, &cost.observations, moved,
-                                        &parameters, (mukca_gradient)kind);
+                mukca_observe_residuals(high + side * m, NULL, &cost.observations, moved);
             }
             for (int i = 0; i < m; i++)
                 assert_close(cost.J[i * n + c], (high[i] - high[m + i]) / 2e-5, 2e-8);

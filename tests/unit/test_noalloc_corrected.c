@@ -66,8 +66,8 @@ TEST(equals_the_program)
         mukca_displacement d;
         mukca_frame T, expected;
         random_angles(q, &random);
-        mukca_effects_displacement(&d, offsets.effects, offsets.n_effects, &chain, &geometry, q,
-                                   NULL);
+        mukca_effects_displacement(&d, offsets.effects, offsets.n_effects, &chain, &geometry,
+                                   &(mukca_joint_state){.q = q, .placement = -1});
         mukca_fk_pose(&expected, &geometry, q, &d);
         mukca_corrected_pose(&T, &model, q, NULL);
         mukca_corrected_position(p, &model, q, NULL);
@@ -179,7 +179,7 @@ TEST(rest_is_the_fixed_point)
             for (int e = 0; e < arm.n_effects; e++)
                 displace_by(&d, &arm.effects[e], &arm.chain, &now);
         }
-        mukca_effects_displacement(&found, arm.effects, arm.n_effects, &arm.chain, &arm.geometry, q,
+        mukca_effects_displacement(&found, arm.effects, arm.n_effects, &arm.chain, &arm.geometry,
                                    &now);
         for (int j = 0; j < 7; j++) {
             assert_close(found.q[j], d.q[j], within);

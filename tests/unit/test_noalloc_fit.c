@@ -33,7 +33,7 @@ TEST(test_nothing_allocated)
     memcpy(x, cost.nominal, (size_t)cost.n * sizeof *x);
     sum += mukca_cost_evaluate(NULL, NULL, &cost, x);
     sum += mukca_cost_evaluate(NULL, g, &cost, x);
-    cost.gradient = MUKCA_GRADIENT_ANALYTIC;
+    cost.observations.kind = MUKCA_GRADIENT_ANALYTIC;
     sum += mukca_cost_evaluate(NULL, g, &cost, x);
     mukca_cost_normal(cost.matrix[0], &cost, x, false);
     mukca_solver_gauss_newton.run(x, &outcome, &cost, NULL, &(mukca_solver_options){0}, NULL);

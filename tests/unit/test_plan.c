@@ -96,8 +96,12 @@ TEST(test_better_than_random)
         mukca_dataset random;
         mukca_plan beside, alone;
         mukca_plan_socket sockets[2];
+        int left_out;
         record(&random, 12, seed);
-        assert_int_equal(mukca_plan_sockets(sockets, 2, &nominal, &random), 2);
+        assert_int_equal(mukca_plan_sockets(sockets, 1, &left_out, &nominal, &random), 1);
+        assert_int_equal(left_out, 1);
+        assert_int_equal(mukca_plan_sockets(sockets, 2, &left_out, &nominal, &random), 2);
+        assert_int_equal(left_out, 0);
         mukca_plan_options more = options;
         more.rows = 4;
         assert_ok(propose(&beside, &random, sockets, 2, &more));
@@ -122,7 +126,7 @@ TEST(test_causes)
                                make_effect(MUKCA_EFFECT_LINK_BENDING, 2, 2e-5)};
     const mukca_plan_options options = {.rows = 10, .effects = effects, .n_effects = 2};
     record(&data, 12, 1);
-    mukca_plan_sockets(sockets, 2, &nominal, &data);
+    assert_int_equal(mukca_plan_sockets(sockets, 2, &(int){0}, &nominal, &data), 2);
     assert_ok(propose(&plan, &data, sockets, 2, &options));
     assert_true(plan.evidence_after > 2 * plan.evidence_before);
     mukca_plan_free(&plan);

@@ -11,7 +11,7 @@ static void true_ball(double position[3], int row)
     mukca_displacement displacement;
     const mukca_joint_state *state = mukca_dataset_state(&states, &data, row);
     mukca_effects_displacement(&displacement, s.arm.effects, s.arm.n_effects, &s.arm.chain,
-                               &s.arm.geometry, state->q, state);
+                               &s.arm.geometry, state);
     mukca_fk_position(position, &s.arm.geometry, state->q, &displacement);
 }
 

@@ -44,7 +44,7 @@ static void check_table(void)
             const mukca_joint_state *joints =
                 mukca_dataset_state(&states, &data, socket * rows + i);
             mukca_effects_displacement(&displacement, placed, back.n_effects, &s.chain, &geometry,
-                                       joints->q, joints);
+                                       joints);
             mukca_fk_position(ball[i], &geometry, joints->q, &displacement);
             for (int a = 0; a < 3; a++) mean[a] += ball[i][a] / rows;
         }

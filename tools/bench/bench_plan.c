@@ -39,7 +39,7 @@ static void sag(mukca_displacement *displacement, const double *q, void *context
     const double still[MUKCA_MAX_JOINTS] = {0};
     const mukca_joint_state state = {.q = q, .move = still, .placement = -1};
     mukca_effects_displacement(displacement, arm->effects, arm->n_effects, &arm->chain,
-                               &arm->geometry, q, &state);
+                               &arm->geometry, &state);
 }
 
 /* Move the true arm from q until its ball is in the socket, up to noise. */
@@ -284,7 +284,8 @@ static const char *settle(outcome *sum, int way, const mukca_diagnosis *before,
     mukca_plan_options options = {.rows = TIE_ROWS};
     mukca_next_poses_pair(&tie, &options, rivals, before, -1);
     mukca_geometry_theta(theta, &arm->chain, &before->geometry);
-    const int n = mukca_plan_sockets(sockets, MUKCA_PLAN_MAX_SOCKETS, &before->geometry, data);
+    const int n =
+        mukca_plan_sockets(sockets, MUKCA_PLAN_MAX_SOCKETS, &(int){0}, &before->geometry, data);
     if (mukca_plan_run(&plan,
                        &(mukca_plan_task){.chain = &arm->chain,
                                           .theta = theta,
