@@ -4,7 +4,6 @@
 # tests/docs.  Skipped where Slurm cannot be started, and says why.
 set -u
 cd "$(dirname "$0")/.." || exit 1
-# shellcheck source=tests/ok.bash
 . tests/ok.bash
 skip() {
     echo "SKIPPED fleet_jobs: $1"
@@ -18,7 +17,6 @@ PATH=${mukca%/*}:$PATH:/usr/sbin:/sbin
 chmod 755 "$dir"
 daemons=
 stop() {
-    # shellcheck disable=SC2086
     kill $daemons 2>/dev/null
     wait
     rm -rf "$dir"

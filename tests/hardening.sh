@@ -7,7 +7,6 @@ if readelf -Ws "$MUKCA" | grep -q __asan_init || ! readelf -Ws "$MUKCA" | grep -
     exit 77
 fi
 cd "$(dirname "$0")/.." || exit 1
-# shellcheck source=tests/ok.bash
 . tests/ok.bash
 ok "position-independent program" sh -c 'readelf -h "$MUKCA" | grep -q "Type: *DYN"'
 ok "relocations are read-only" sh -c 'readelf -lW "$MUKCA" | grep -q GNU_RELRO'

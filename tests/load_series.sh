@@ -5,7 +5,6 @@ set -u
 cd "$(dirname "$0")/.." || exit 1
 effect=joint_compliance:joint_2=7.2e-5
 
-# shellcheck source=tests/ok.bash
 . tests/ok.bash
 
 simulate() { # FILE SEED OPTION...

@@ -3,7 +3,6 @@
 # of the arm that was recorded.
 set -u
 cd "$(dirname "$0")/.." || exit 1
-# shellcheck source=tests/ok.bash
 . tests/ok.bash
 python=${PYTHON:-python3}
 if ! "$python" -c 'import mujoco' 2>/dev/null; then

@@ -3,7 +3,6 @@
 set -u
 cd "$(dirname "$0")/.." || exit 1
 
-# shellcheck source=tests/ok.bash
 . tests/ok.bash
 
 urdf=data/demo/arm.urdf

@@ -8,7 +8,6 @@ urdf=$PWD/data/gen3.urdf
 real=${MUKCA_REAL_DATA:-$PWD/../shared/real}
 tracker=${MUKCA_TRACKER_DATA:-$PWD/../shared/tracker}
 
-# shellcheck source=tests/ok.bash
 . tests/ok.bash
 
 # number FILE KEYS...: the value in JSON that is printed one key a line, behind those keys in turn

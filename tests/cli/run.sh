@@ -90,7 +90,6 @@ says() {
     wanted=$1 where=$2 pattern=$3
     shift 3
     run "$@"
-    # shellcheck disable=SC2086
     if [ $code -ne "$wanted" ] || ! (cd "$scratch" && cat $where) | grep -q -- "$pattern"; then
         fail "says '$pattern': mukca $*" "exit $code: $(cat "$scratch/out" "$scratch/err")"
         return 1

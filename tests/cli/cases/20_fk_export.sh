@@ -28,9 +28,7 @@ printf 'j2\tjoint_drift\trad\t0\t1\t1\t0\t1\ttime_constant=0s\n' | cat offsets.t
 printf 'time_s\tj1\tj2\tj3\n\t0\t0\t0\n100\t0\t0\t0\n\t0\t0\t0\n102\t0\t0\t0\n' >untimed.tsv
 printf 'time_s\tj1\tj2\tj3\n0\t0\t0\t0\n8\t0\t0\t0\n16\t0\t0\t0\n10\t0\t0\t0\n' >timed.tsv
 for command in fk "compensate --position-only"; do
-    # shellcheck disable=SC2086
     "$MUKCA" $command -q --urdf arm.urdf --offsets drift.tsv untimed.tsv | cut -f 2- >untimed.txt
-    # shellcheck disable=SC2086
     "$MUKCA" $command -q --urdf arm.urdf --offsets drift.tsv timed.tsv | cut -f 2- >timed.txt
     expect "$command goes on at 8 s per row where a time is missing" cmp untimed.txt timed.txt
 done

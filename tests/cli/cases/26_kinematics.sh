@@ -39,9 +39,7 @@ expect "evaluate has the factory's errors: calibrated < factory < nominal" awk -
     NR > 1 { if (!($at["mae_m"] < $at["mae_factory_m"] && $at["mae_factory_m"] < $at["mae_nominal_m"])) exit 1 }
     END { if (NR != 4) exit 1 }' scores.tsv
 for tip in '' '--tip wrist_3_link'; do
-    # shellcheck disable=SC2086
     "$MUKCA" export -q $ur --offsets table.tsv $tip -f kinematics -o own.yaml --force
-    # shellcheck disable=SC2086
     "$MUKCA" fk --urdf ur5e.urdf --kinematics own.yaml --tip wrist_3_link rows.csv >back.tsv
     "$MUKCA" fk -q $ur --offsets table.tsv --tip wrist_3_link rows.csv >wrist.tsv
     expect "export -f kinematics $tip, read back, is the calibrated arm to 1e-9 m" same wrist.tsv back.tsv 1e-9

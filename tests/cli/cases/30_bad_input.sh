@@ -132,7 +132,6 @@ wrong_urdf 's/robot name="/robot name="\&#x9b;/' "bad.urdf: the name '??small' h
 odd=$(printf 'a\033]0;x\007b\302\233c\342\200\256d')
 cp -r good "$odd" && cut -f 2- session.tsv >"$odd.tsv"
 for command in "evaluate -v" "diagnose -v" "calibrate -v -o $odd.out" "report -o $odd.html"; do
-    # shellcheck disable=SC2086
     run $command $a "$odd" "$odd.tsv"
     for file in "$odd.html" "$odd.out"; do [ ! -f "$file" ] || cat "$file" >>"$scratch/out"; done
     expect "$command shows no control characters" sh -c \

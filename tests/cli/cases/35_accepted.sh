@@ -35,7 +35,6 @@ refused() {
 }
 for command in "fk good/hole_0.csv" "compensate good/hole_0.csv" "export -o new.urdf" \
     "plan sim.tsv -o new.tsv" "capture --still --lcm-url file://nix -o new.tsv"; do
-    # shellcheck disable=SC2086
     refused ${command%% *} $a --offsets failed.tsv ${command#* }
 done
 accept 'note: failed.tsv: this calibration did not pass' fk $a --offsets failed.tsv --accept-failed good/hole_0.csv

@@ -20,7 +20,6 @@ doubt 'is above --max-mae' evaluate --urdf arm.urdf --offsets geometry.tsv test.
 expect "the table of the diagnosis closes it" "$MUKCA" evaluate --urdf arm.urdf --offsets offsets.tsv test.tsv --max-mae 2.2e-4
 sed 's/<mass value="[^"]*"/<mass value="0"/' arm.urdf >bare.urdf
 for command in "fk good.tsv" "compensate good.tsv" "export -f yaml"; do
-    # shellcheck disable=SC2086
     refuse 3 "joint_compliance needs the masses of the links: give --inertials FILE" \
         ${command%% *} --urdf bare.urdf --accept-other-arm --offsets offsets.tsv ${command#* }
 done

@@ -64,7 +64,6 @@ sed '1s/x_m\ty_m\tz_m/x_m.a\ty_m.a\tz_m.a/' poses.tsv | cut -f 1-11 |
     awk -F '\t' -v OFS='\t' '{ print $0, NR == 1 ? "x_m.b\ty_m.b\tz_m.b" : $9 OFS $10 OFS $11
         }' | awk -F '\t' -v OFS='\t' 'NR > 1 { $4 -= $3 } { print }' >targets.tsv
 hints() { # COMMAND FILE PATTERN
-    # shellcheck disable=SC2086
     run $1 $a $2
     expect "$1 $2: $3" sh -c 'cat "$@" | tr "\n" " " | tr -s " " | grep -q -e "$0"' "$3" "$scratch/out" "$scratch/err"
 }
