@@ -28,4 +28,4 @@ refuses() { # NAME CODE PATTERN COMMAND...: what it prints matches
         failed=1
     fi
 }
-less() { awk -v a="$1" -v b="$2" 'BEGIN { exit !(a + 0 < b + 0) }'; }
+less() { awk -v a="$1" -v b="$2" 'BEGIN { exit !(a ~ /^-?[.0-9]/ && a + 0 < b + 0) }'; } # nan and an empty text are no numbers
