@@ -121,8 +121,8 @@ TEST(advice_is_what_comes_true)
         ratio += pow(true_error(&o, &capture) / advice.expected, 2) / ARMS;
         double rms;
         mukca_capture_spread(&rms, NULL, &capture, capture.socket);
-        assert_true(!(fabs(rms / (sqrt(3) * noise) - 1) > 0.4));
-        assert_true(!(fabs(capture.noise / noise - 1) > 0.3));
+        assert_close(rms / (sqrt(3) * noise), 1, 0.4);
+        assert_close(capture.noise / noise, 1, 0.3);
         for (int i = 0; i < 10; i++) { /* a ball that lies on the rim */
             assert_true(seat(&o, plate, 1.5e-3));
             mukca_capture_keep(text, &capture, o.q, &error);

@@ -138,8 +138,8 @@ TEST(yaml_and_c_hold_every_number)
     for (int i = 0; i < 18; i++) {
         char number[MUKCA_NUMBER_SIZE];
         mukca_number_format(number, offsets.theta[i]);
-        assert_non_null(strstr(yaml, number));
-        assert_non_null(strstr(c, number));
+        assert_part(yaml, number);
+        assert_part(c, number);
     }
     for (int e = 0; e < offsets.n_effects; e++) {
         char number[MUKCA_NUMBER_SIZE];

@@ -105,8 +105,8 @@ static void track(mukca_dataset *log, int rows, bool oriented, double sigma)
     mukca_geometry geometry;
     mukca_geometry_set(&geometry, &chain, truth);
     assert_ok(mukca_dataset_create(log, rows, JOINTS, 0, 0, NULL));
-    log->position = zeroed(1, 3 * (size_t)rows * sizeof *log->position);
-    if (oriented) log->quaternion = malloc(4 * (size_t)rows * sizeof *log->quaternion);
+    log->position = zeroed(3 * (size_t)rows, sizeof *log->position);
+    if (oriented) log->quaternion = zeroed(4 * (size_t)rows, sizeof *log->quaternion);
     for (int i = 0; i < rows; i++) {
         mukca_frame T;
         for (int j = 0; j < JOINTS; j++)

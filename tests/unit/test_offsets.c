@@ -127,7 +127,7 @@ static mukca_acceptance good_verdict(void)
 
 TEST(controllers_get_no_failed_table)
 {
-    mukca_corrected *model = calloc(1, sizeof *model);
+    mukca_corrected *model = zeroed(1, sizeof *model);
     offsets.n_effects = 0;
     mukca_acceptance_init(&offsets.acceptance);
     const char *path = write_table();
@@ -149,7 +149,7 @@ TEST(controllers_get_no_failed_table)
  */
 TEST(edited_tables_are_refused)
 {
-    mukca_corrected *model = calloc(1, sizeof *model);
+    mukca_corrected *model = zeroed(1, sizeof *model);
     add_effects();
     offsets.acceptance = good_verdict();
     char *text = scratch_read(write_table());
@@ -188,14 +188,14 @@ TEST(the_tip_change_is_measured)
     mukca_tip_change change;
     const mukca_tip_change_task task = {.chain = &arm, .to = &turned};
     assert_ok(mukca_tip_change_find(&change, &task, NULL));
-    assert_true(fabs(change.m - 2 * 0.5 * sin(5e-3)) < 1e-12);
-    assert_true(fabs(change.size) < 1e-12); /* a zero turns the workspace */
+    assert_close(change.m, 2 * 0.5 * sin(5e-3), 1e-12);
+    assert_close(change.size, 0, 1e-12); /* a zero turns the workspace */
     const mukca_tip_change_task back_task = {.chain = &arm, .from = &turned, .to = &turned};
     assert_ok(mukca_tip_change_find(&change, &back_task, NULL));
     assert_true(change.m < 1e-15);
     turned.theta[MUKCA_PARAMETERS] = 0.505;
     assert_ok(mukca_tip_change_find(&change, &task, NULL));
-    assert_true(fabs(change.size) < 1e-12); /* nor does a tool change the arm */
+    assert_close(change.size, 0, 1e-12); /* nor does a tool change the arm */
     mukca_chain longer = arm;
     longer.n_elements = 3, longer.n_joints = 2;
     longer.joint_element[1] = 1;
@@ -205,7 +205,7 @@ TEST(the_tip_change_is_measured)
     turned.theta[MUKCA_PARAMETERS] = 10.1;
     const mukca_tip_change_task longer_task = {.chain = &longer, .to = &turned};
     assert_ok(mukca_tip_change_find(&change, &longer_task, NULL));
-    assert_true(fabs(change.size - 0.01) < 1e-3);
+    assert_close(change.size, 0.01, 1e-3);
     mukca_offsets_init(&turned, &arm);
     turned.theta[5] = 10e-3;
     turned.listed[5] = 1;

@@ -51,7 +51,7 @@ TEST(test_rules)
             stem += d * d;
             if (a == 2) down = -d;
         }
-        assert_false(!(sqrt(off) <= 1e-8));
+        assert_true(sqrt(off) <= 1e-8);
         assert_true(acos(down / sqrt(stem)) <= 0.7);
         for (int j = 0; j < 7; j++) {
             const mukca_element *e = &chain.element[chain.joint_element[j]];

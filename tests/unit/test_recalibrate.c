@@ -16,9 +16,8 @@ static void create(mukca_dataset *log)
 {
     mukca_dataset_free(log);
     assert_ok(mukca_dataset_create(log, MAX_ROWS, 7, 0, 0, &error));
-    log->position = calloc(3 * MAX_ROWS, sizeof *log->position);
-    log->quaternion = calloc(4 * MAX_ROWS, sizeof *log->quaternion);
-    assert_true(log->position && log->quaternion);
+    log->position = zeroed(3 * MAX_ROWS, sizeof *log->position);
+    log->quaternion = zeroed(4 * MAX_ROWS, sizeof *log->quaternion);
 }
 
 /* As a log, to be freed. */
