@@ -9,7 +9,6 @@ refuse 2 "unknown command 'effect'; did you mean help effects?" help effect
 refuse 2 "serve has no command 'statsu'; did you mean status?" send statsu
 refuse 2 "no effect is called 'joint_complience'; did you mean joint_compliance?" diagnose --expect joint_complience x
 refuse 2 "no effect is called 'lag'" diagnose --without backlash,lag x
-refuse 2 "mukca fk: --urdf needs FILE" fk --urdf
 refuse 2 "mukca fk: --urdf FILE is needed" fk
 run
 if [ $code -eq 2 ] && grep -q 'Start with' "$scratch/err" && [ ! -s "$scratch/out" ]; then

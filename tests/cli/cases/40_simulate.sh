@@ -19,17 +19,13 @@ doubt 'is above --max-mae' evaluate --urdf arm.urdf session.tsv --max-mae 1e-3
 # pose logs
 simulate --poses 20 --perturb 0.3,1 --effect joint_compliance:joint_2=3e-5 --truth poses_truth.tsv --command --effort -o poses.tsv
 expect "a pose log has as many rows as asked" test "$(grep -vc '^#' poses.tsv)" -eq 21
-"$MUKCA" fk --urdf arm.urdf --offsets poses_truth.tsv poses.tsv | tail -n +2 >seen
-grep -v '^#' poses.tsv | tail -n +2 | cut -f 23-25 >told
-expect "its positions are those of fk with the truth" sh -c \
-    'paste seen told | awk "{ for (i = 1; i < 4; i++) { d = \$i - \$(i + 3); if (d * d > 1e-22) exit 1 } n++ }
-     END { exit n != 20 }"'
+"$MUKCA" fk --urdf arm.urdf --offsets poses_truth.tsv poses.tsv >seen
+grep -v '^#' poses.tsv | cut -f 23-25 >told
+expect "its positions are those of fk with the truth" near 1e-11 3 seen told
 grep -v '^#' poses.tsv | cut -f 2-8 >angles.tsv
-run simulate --urdf arm.urdf --offsets poses_truth.tsv --at angles.tsv
-expect "its angles with the same arm give the same poses" sh -c "grep -v '^#' '$scratch/out' | cut -f 9-11 | tail -n +2 |
-    paste - told | awk '{ for (i = 1; i < 4; i++) if ((\$i - \$(i + 3)) ^ 2 > 1e-22) exit 1 } END { exit NR != 20 }'"
+"$MUKCA" simulate --urdf arm.urdf --offsets poses_truth.tsv --at angles.tsv | grep -v '^#' | cut -f 9-11 >again
+expect "its angles with the same arm give the same poses" near 1e-11 3 again told
 
-refuse 2 "no joint 'elbow' in the chain" simulate --urdf arm.urdf --effect joint_scale:elbow=1e-3
 # joints that have the names of measured quantities keep their columns
 sed 's/"joint_5"/"target"/; s/"joint_6"/"yaw"/; s/"joint_4"/"roll"/; s/"joint_3"/"pitch"/' arm.urdf >rpy.urdf
 run simulate --urdf rpy.urdf --poses 9 -o rpy.tsv
@@ -54,7 +50,6 @@ refuse 2 "two placements have the name 'a'" simulate --urdf arm.urdf --place a -
 refuse 2 "needs NAME=X,Y,Z" simulate --urdf arm.urdf --place a=1,2
 refuse 2 "at and --poses exclude each other" simulate --urdf arm.urdf --at angles.tsv --poses 9
 refuse 3 "does not reach socket 0" simulate --urdf arm.urdf --place far=9,0,0
-refuse 3 "session.tsv" simulate --urdf arm.urdf -o session.tsv
 
 # runs of a moving arm
 simulate --motion 10 --rate 50 --seed 1 --runs 2 --truth effects.tsv -o runs.tsv \

@@ -29,9 +29,6 @@ simulate --seed 7 --placements 3 --effect tool_motion:p2/1@12=2e-3,outlier:p1/0@
 answer "p2, socket 1, row 7[0-4] of faults.tsv: the tool moved by" $d faults.tsv --json faults.json
 expect "rows are those of the file" grep -q '"row": 87,' faults.json
 
-# usage
-refuse 2 "needs DATA" $d
-
 # rows that can be read but tell nothing: words, not numbers
 awk -F'\t' -v OFS='\t' '/^p[1-9]/ { for (i = 4; i <= 10; i++) $i = 0.1 * i } { print }' good.tsv >same.tsv
 doubt "Nothing can be tested: too few different samples" $d same.tsv
@@ -68,7 +65,6 @@ assert f['size_ci95_m'][0] < f['size_m'] < f['size_ci95_m'][1]
 c = f['coefficient']
 assert c['unit'] == 'rad/(N*m)' and c['ci95'][0] < 4e-5 < c['ci95'][1], c
 assert f['held_out']['before_m'] > 1.2 * f['held_out']['after_m']"
-refuse 2 "unknown option --check" $d good.tsv --check 4
 simulate --seed 7 --placements 4 --rows 3 -o short.tsv
 run $d short.tsv --json - -q
 expect "too few postures for halves: no finding" sh -c "tr -d ' \n' <'$scratch/out' | grep -q '\"findings\":\[\]'"
