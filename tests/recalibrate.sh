@@ -70,7 +70,11 @@ refuses "a joint that never moved" 0 "'joint_3' never moved" "$mukca" recalibrat
 "$mukca" simulate "${arm[@]}" --at "$dir/sweeps.angles" --noise 1e-5 --rotation-noise 1e-5 -o "$dir/nominal.tsv" -q
 refuses "poses that repeat the nominal model" 5 "no calibration in these poses" "$mukca" recalibrate "${arm[@]}" \
     "$dir/nominal.tsv" -o "$dir/none.tsv"
-ok "nothing written then" test ! -e "$dir/none.tsv"
+mv "$dir/out" "$dir/figures"
+mv "$dir/err" "$dir/said"
+ok "a verdict alone" grep -q "no offsets table is written" "$dir/said"
+ok "no figures" test ! -s "$dir/figures"
+ok "and nothing written" test ! -e "$dir/none.tsv"
 
 # A mounted tool: its offset goes to the tool, not to the joint before it; and one story is told
 {
@@ -88,11 +92,6 @@ ok "one story: what was found, what was written" sh -c "
 ok "the tool's offset is the tool's alone" awk -F '\t' '
     $1 == "joint_7" && $2 == "y" { arm = $6 } $1 == "tool_joint" && $2 == "z" { tool = $6 }
     END { exit !(arm * arm < 1e-12 && (tool + 0.06176) ^ 2 < 1e-10) }' "$dir/found.tsv"
-refuses "a verdict alone where the poses are nominal" 5 "no offsets table is written" \
-    "$mukca" recalibrate "${arm[@]}" "$dir/nominal.tsv" -o "$dir/none.tsv"
-test ! -s "$dir/out"
-nothing=$?
-ok "and no figures" test $nothing = 0
 ok "--json lists all offsets" sh -c "'$mukca' recalibrate --urdf '$urdf' '$dir/mounted_log.tsv' --json - | grep -q 'joint_3 y'"
 
 # Compensation of what was found

@@ -27,12 +27,8 @@ static const mukca_lcm_types *get_types(void)
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {
     static union {
-        mukca_message_trigger trigger;
-        mukca_message_command command;
-        mukca_message_status status;
-        mukca_message_sample sample;
-        mukca_message_result result;
-        mukca_message_pose pose;
+#define MEMBER(channel, name, fingerprint) mukca_message_##name name;
+        MUKCA_MESSAGE_LIST(MEMBER)
     } message;
     static const uint64_t own[] = {
 #define FINGERPRINT(channel, name, fingerprint) fingerprint,

@@ -10,8 +10,7 @@ static mukca_offsets offsets, back;
 
 static int setup(void **state)
 {
-    if (scratch_setup(state)) return 1;
-    if (mukca_urdf_load(&chain, urdf_path(), NULL, &error)) return 1;
+    if (scratch_setup(state) || mukca_urdf_load(&chain, urdf_path(), NULL, &error)) return 1;
     mukca_random random = mukca_random_seeded(3);
     mukca_offsets_init(&offsets, &chain);
     for (int i = 0; i < 18; i++) {
@@ -37,7 +36,6 @@ static void add_effect(mukca_effect_kind kind, int joint, int placement, const c
 
 static void add_effects(void)
 {
-    offsets.n_effects = 0;
     add_effect(MUKCA_EFFECT_JOINT_COMPLIANCE, 1, -1, NULL);
     add_effect(MUKCA_EFFECT_BASE_COMPLIANCE, -1, -1, NULL);
     add_effect(MUKCA_EFFECT_GEAR_HARMONIC, 0, -1, "240");
@@ -128,8 +126,6 @@ static mukca_acceptance good_verdict(void)
 TEST(controllers_get_no_failed_table)
 {
     mukca_corrected *model = zeroed(1, sizeof *model);
-    offsets.n_effects = 0;
-    mukca_acceptance_init(&offsets.acceptance);
     const char *path = write_table();
     assert_ok(mukca_corrected_load(model, path, &error)); /* an older table */
     assert_false(model->judged);
@@ -217,7 +213,6 @@ TEST(the_tip_change_is_measured)
 TEST(tables_tell_where_they_come_from)
 {
     setenv("SOURCE_DATE_EPOCH", "86400", 1);
-    offsets.n_effects = 0;
     char *text = scratch_read(write_table());
     unsetenv("SOURCE_DATE_EPOCH");
     static const char *const parts[] = {
@@ -253,7 +248,6 @@ TEST(another_arms_table_is_refused)
     const double was = chain.element[0].xyz[0];
     chain.element[0].xyz[0] = 5;
     assert_ok(read_table(path, true));
-    chain.element[0].xyz[0] = was;
     assert_close(back.theta[0], 5 + offsets.theta[0] - was, 1e-15);
     assert_true(back.theta[1] == offsets.theta[1]);
 }
@@ -291,4 +285,4 @@ TEST(broken_tables_get_one_clear_line)
     assert_refused(read_table(scratch_file("b.tsv", text), false), "no column 'nominal'");
 }
 
-TEST_MAIN(setup, scratch_teardown)
+TEST_EACH(setup, scratch_teardown)
