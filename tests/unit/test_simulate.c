@@ -15,11 +15,12 @@ static void true_ball(double position[3], int row)
     mukca_fk_position(position, &s.arm.geometry, state->q, &displacement);
 }
 
-/* Where the ball is recorded as seated. */
-static void find_seat(double seat[3], int place, int socket, int row)
+/* Where the ball is recorded as seated in a row. */
+static void find_seat(double seat[3], int row)
 {
     const mukca_simulated_session session = {.arm = &s.arm, .places = s.places, .options = &s.how};
-    mukca_simulate_seat(seat, &session, place, socket, row);
+    const int socket = data.socket[row];
+    mukca_simulate_seat(seat, &session, socket / 2, socket % 2, row % s.how.rows);
 }
 
 /* One of everything that acts on the arm. */
@@ -105,12 +106,11 @@ TEST(test_sizes)
         record_again();
         for (int i = 0; i < data.n_rows; i++) {
             double q[MUKCA_MAX_JOINTS], ball[3], seat[3], without[3];
-            const int socket = data.socket[i];
             memcpy(q, data.q + i * data.n_joints, (size_t)data.n_joints * sizeof *q);
             mukca_fk_position(without, &s.arm.geometry, q, NULL);
             turn(q, i, s.hidden.effects[0].kind);
             mukca_fk_position(ball, &s.arm.geometry, q, NULL);
-            find_seat(seat, socket / 2, socket % 2, 0);
+            find_seat(seat, i);
             for (int a = 0; a < 3; a++) {
                 assert_close(ball[a], seat[a], 1e-9);
                 unmoved = fmax(unmoved, fabs(without[a] - seat[a]));
@@ -131,9 +131,8 @@ TEST(test_noise)
     record_again();
     for (int i = 0; i < data.n_rows; i++) {
         double ball[3], seat[3];
-        const int socket = data.socket[i];
         true_ball(ball, i);
-        find_seat(seat, socket / 2, socket % 2, i % 200);
+        find_seat(seat, i);
         for (int a = 0; a < 3; a++) {
             const double e = ball[a] - seat[a];
             square += e * e;
@@ -164,7 +163,7 @@ TEST(test_faults)
         double ball[3], seat[3];
         const int socket = data.socket[i], row = i % 30;
         true_ball(ball, i);
-        find_seat(seat, socket / 2, socket % 2, row);
+        find_seat(seat, i);
         double off = 0;
         if (socket == 0 && row >= 11) off = 1e-3;
         if (socket == 3) off = 2e-3 * row / 29;
