@@ -204,12 +204,7 @@ rm bad/hole_3.csv
 # fewer rows than parameters
 rows 1 2 >bad/hole_0.csv
 rows 9 2 >bad/hole_1.csv
-run calibrate $a bad
-if [ $code -le 1 ] || [ $code -eq 5 ]; then
-    expect "few rows are told, with the rank" grep -q 'numbers for .* parameters' "$scratch/out"
-else
-    fail "few rows are told, with the rank" "exit $code: $(cat "$scratch/err")"
-fi
+doubt 'numbers for .* parameters' calibrate $a bad
 
 # distances
 refuse 2 'distance 5: must be a number above 0, at most 2, in m' calibrate $a --distance 5 good

@@ -11,6 +11,7 @@ answer '^Save    -o' calibrate $a four.tsv --test fifth.tsv
 run simulate $a --seed 3 --placements 3 --rows 1500 --perturb 2,4 --noise 1e-4 -o long.tsv
 answer 'expected error 0.[0-9]* mm .0.0[0-9]' calibrate $a long.tsv --distance-sd 1e-5 # the noise of many samples does not shrink the arm
 answer "it the sockets' distance" calibrate $a sim.tsv
+expect "without effects no advice to diagnose" sh -c "! grep -q 'mukca diagnose' '$scratch/out'"
 answer 'expected error 0.[0-3]' calibrate $a sim.tsv --distance-sd 1e-5
 for command in calibrate diagnose; do
     answer 'smaller than the model: check --distance first' $command $a sim.tsv --distance 0.0495
@@ -18,8 +19,6 @@ done
 # the better table leaves: where the diagnosis expects a gain, it is calibrate's next step
 answer '^Next    mukca diagnose -o FILE with these data: its table has the effects that' \
     calibrate --urdf "$root/data/demo/arm.urdf" "$root/data/demo/train.tsv"
-run calibrate $a sim.tsv
-expect "no such advice without effects" sh -c "! grep -q 'mukca diagnose' '$scratch/out'"
 refuse 2 'sd' evaluate $a sim.tsv --distance-sd 1e-5
 for key in accepted converged error_of error_m error_nominal_m tip_change_m \
     identified postures error_here_m error_here_low_m error_workspace_m; do

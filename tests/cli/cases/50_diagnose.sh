@@ -44,7 +44,7 @@ run $d one.tsv -v
 expect "with -v: what one placement cannot show" grep -q "one placement only" "$scratch/out"
 simulate --seed 7 --placements 4 --effort --effect joint_compliance:joint_2=4e-5,joint_compliance:joint_4=5e-5 -o effort.tsv
 awk -F'\t' -v OFS='\t' '/^p[1-9]/ { for (i = 11; i <= 17; i++) $i = -$i } { print }' effort.tsv >turned.tsv
-run $d effort.tsv
+answer '^Found' $d effort.tsv
 expect "good efforts need no word" sh -c "! grep -qi 'measured efforts' '$scratch/out'"
 answer "measured efforts oppose the torques" $d turned.tsv
 # efforts of an arm without masses: as its joints exert them, and with the opposite sign
