@@ -357,7 +357,6 @@ TEST(tables_of_others_are_read)
          "column 'rx': is 90; angles are in rad (for degrees: [deg] after the names"},
         {"j1,j2,x_m,y_m,z_m,rx,ry,rz\n0,0,1,2,3,1,,0\n", NULL,
          "an orientation needs all three numbers"},
-        {"j1,j2,X,Y,Z,A,B,C\n0,0,1,2,3,0,0,0\n", NULL, "columns x, y, z without a unit"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         const mukca_status status = load_text(bad[i].text, bad[i].format);
@@ -407,7 +406,6 @@ TEST(poses_without_rows_are_counted)
     const mukca_dataset_options partial = {.partial = true};
     assert_ok(load_one(path, &partial));
     assert_int_equal(data.n_rows, 0);
-    mukca_dataset_free(&data);
 }
 
 /* Poses are measured 30 mm beside the tip; the operator's rows lie close to each other. */

@@ -112,17 +112,6 @@ TEST(tables_come_back_to_the_last_bit)
     assert_int_equal(placed[8].placement, -1);
 }
 
-static mukca_acceptance good_verdict(void)
-{
-    mukca_acceptance a;
-    mukca_acceptance_init(&a);
-    a.given = a.accepted = a.converged = true;
-    a.error_nominal_m = 5e-3;
-    a.error_m = 2e-4;
-    a.tip_change_m = 0.01;
-    return a;
-}
-
 TEST(controllers_get_no_failed_table)
 {
     mukca_corrected *model = zeroed(1, sizeof *model);
@@ -147,7 +136,9 @@ TEST(edited_tables_are_refused)
 {
     mukca_corrected *model = zeroed(1, sizeof *model);
     add_effects();
-    offsets.acceptance = good_verdict();
+    mukca_acceptance *verdict = &offsets.acceptance;
+    verdict->given = verdict->accepted = verdict->converged = true;
+    verdict->error_nominal_m = 5e-3, verdict->error_m = 2e-4;
     char *text = scratch_read(write_table());
     const size_t size = strlen(text);
     assert_ok(mukca_corrected_parse(model, text, size, &error));

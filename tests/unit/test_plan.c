@@ -20,15 +20,13 @@ static const mukca_plan_socket two_sockets[2] = {
     {.placement = "front", .label = "0", .centre = {0.45, -0.025, 0.05}},
     {.placement = "front", .label = "1", .centre = {0.45, 0.025, 0.05}}};
 
-static mukca_error refusal; /* of the last proposal */
-
 static mukca_status propose(mukca_plan *plan, const mukca_dataset *data,
                             const mukca_plan_socket *sockets, int n_sockets,
                             const mukca_plan_options *options)
 {
     const mukca_plan_task task = {
         .chain = &chain, .data = data, .sockets = sockets, .n_sockets = n_sockets};
-    return mukca_plan_run(plan, &task, options, &refusal);
+    return mukca_plan_run(plan, &task, options, &error);
 }
 
 TEST(test_rules)
