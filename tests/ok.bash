@@ -16,6 +16,10 @@ ok() { # NAME COMMAND...
         failed=1
     fi
 }
+skip() { # WHY: the whole test
+    echo "skip $1"
+    exit 77
+}
 refuses() { # NAME CODE PATTERN COMMAND...: what it prints matches
     local code
     "${@:4}" >"$dir/out" 2>"$dir/err"

@@ -26,16 +26,6 @@ static void add_effects(void)
     offsets.effects[1] = make_effect(MUKCA_EFFECT_JOINT_SCALE, 0, 1e-3 / 3);
 }
 
-static mukca_export_input make_input(void)
-{
-    notes[0] = '\0';
-    return (mukca_export_input){.urdf_path = urdf_path(),
-                                .chain = &chain,
-                                .offsets = &offsets,
-                                .notes = {note, NULL},
-                                .error = &error};
-}
-
 /* Export to a file; its content, to be freed. */
 static char *export(const char *name, mukca_status wanted)
 {
@@ -43,7 +33,12 @@ static char *export(const char *name, mukca_status wanted)
     const mukca_exporter *exporter = mukca_exporters;
     while (strcmp(exporter->name, name) != 0) exporter++;
     FILE *file = scratch_create(&path, "export");
-    const mukca_export_input input = make_input();
+    const mukca_export_input input = {.urdf_path = urdf_path(),
+                                      .chain = &chain,
+                                      .offsets = &offsets,
+                                      .notes = {note, NULL},
+                                      .error = &error};
+    notes[0] = '\0';
     assert_int_equal(mukca_export_write(file, exporter, &input), wanted);
     fclose(file);
     return scratch_read(path);

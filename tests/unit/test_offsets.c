@@ -2,6 +2,7 @@
 #include "io/offsets.h"
 
 #include "arm/tip_change.h"
+#include "arms.h"
 #include "mukca/corrected.h"
 
 #include "odd_urdf.h"
@@ -164,15 +165,13 @@ TEST(edited_tables_are_refused)
 TEST(the_tip_change_is_measured)
 {
     static mukca_offsets turned;
-    mukca_chain arm = {.n_elements = 2, .n_joints = 1};
-    arm.element[0] = (mukca_element){
-        .name = "a", .type = MUKCA_REVOLUTE, .axis = {0, 0, 1}, .lower = -1, .upper = 1};
-    arm.element[1] =
-        (mukca_element){.name = "tool", .type = MUKCA_FIXED, .joint = -1, .xyz = {0.5, 0, 0.2}};
+    static const double one[2][6] = {{0}, {0.5, 0, 0.2}}, two[3][6] = {{0}, {10}, {0.5, 0, 0.2}};
+    mukca_chain arm, longer;
+    mukca_tip_change change;
+    make_chain(&arm, "RF", one, "a", 1);
     mukca_offsets_init(&turned, &arm);
     turned.theta[5] = 10e-3;
     turned.listed[5] = 1;
-    mukca_tip_change change;
     const mukca_tip_change_task task = {.chain = &arm, .to = &turned};
     assert_ok(mukca_tip_change_find(&change, &task, NULL));
     assert_close(change.m, 2 * 0.5 * sin(5e-3), 1e-12);
@@ -180,25 +179,18 @@ TEST(the_tip_change_is_measured)
     const mukca_tip_change_task back_task = {.chain = &arm, .from = &turned, .to = &turned};
     assert_ok(mukca_tip_change_find(&change, &back_task, NULL));
     assert_true(change.m < 1e-15);
+    assert_ok(mukca_tip_change_judge(&turned, &task, NULL));
+    assert_true(turned.acceptance.largest_offset_rad == 10e-3);
+    assert_true(turned.acceptance.largest_offset_m == 0);
     turned.theta[MUKCA_PARAMETERS] = 0.505;
     assert_ok(mukca_tip_change_find(&change, &task, NULL));
     assert_close(change.size, 0, 1e-12); /* nor does a tool change the arm */
-    mukca_chain longer = arm;
-    longer.n_elements = 3, longer.n_joints = 2;
-    longer.joint_element[1] = 1;
-    longer.element[2] = arm.element[1], longer.element[1] = arm.element[0];
-    longer.element[1].joint = 1, longer.element[1].xyz[0] = 10;
+    make_chain(&longer, "RRF", two, "a", 1);
     mukca_offsets_init(&turned, &longer);
     turned.theta[MUKCA_PARAMETERS] = 10.1;
     const mukca_tip_change_task longer_task = {.chain = &longer, .to = &turned};
     assert_ok(mukca_tip_change_find(&change, &longer_task, NULL));
     assert_close(change.size, 0.01, 1e-3);
-    mukca_offsets_init(&turned, &arm);
-    turned.theta[5] = 10e-3;
-    turned.listed[5] = 1;
-    assert_ok(mukca_tip_change_judge(&turned, &task, NULL));
-    assert_true(turned.acceptance.largest_offset_rad == 10e-3);
-    assert_true(turned.acceptance.largest_offset_m == 0);
 }
 
 TEST(tables_tell_where_they_come_from)
