@@ -188,38 +188,6 @@ TEST(moments)
     }
 }
 
-TEST(effect_terms)
-{
-    enum { JOINTS = 3 };
-    const char *const variant[MUKCA_EFFECT_COUNT][4] = {
-        [MUKCA_EFFECT_BACKLASH] = {"300mNm", "1000", "3000mNm", "0.1"},
-        [MUKCA_EFFECT_JOINT_COUPLING] = {"-1", "+1", "1", "-1"},
-        [MUKCA_EFFECT_GEAR_HARMONIC] = {"2", "240", "400", "7"},
-        [MUKCA_EFFECT_AXIS_WOBBLE] = {"fixed1", "turning2", "cone-2", "cone+3"},
-        [MUKCA_EFFECT_JOINT_DRIFT] = {"0", "300s", "1000", "3000s"},
-        [MUKCA_EFFECT_READBACK_LAG] = {"move", "command", "move", NULL}};
-    for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++) {
-        assert_int_equal(mukca_effect_find(mukca_effect_table[kind]->name), kind);
-        for (int v = 0; v < 4; v++) {
-            mukca_effect e = {.kind = (mukca_effect_kind)kind, .joint = 1, .placement = -1};
-            assert_null(mukca_effect_set_variant(&e, variant[kind][v], JOINTS));
-            if (mukca_effect_table[kind]->needs & MUKCA_NEEDS_PLACEMENTS) e.placement = v;
-            for (int t = 0; t < e.terms; t++) {
-                char text[MUKCA_EFFECT_TEXT];
-                mukca_effect back = {.kind = e.kind, .joint = 1};
-                mukca_effect_term_text(text, &e, t);
-                if (mukca_effect_has(kind, MUKCA_TRAIT_RECORDING_FAULT)) continue;
-                assert_int_equal(mukca_effect_term_parse(&back, text, JOINTS), t);
-                assert_true(mukca_effect_same(&back, &e));
-                assert_int_equal(back.terms, e.terms);
-                strcat(text, "?");
-                assert_int_equal(mukca_effect_term_parse(&back, text, JOINTS), -1);
-            }
-        }
-    }
-    assert_int_equal(mukca_effect_find("no_such_effect"), -1);
-}
-
 TEST(wrong_terms)
 {
     const char *const wrong[] = {"motion=cone+1 u", "motion=fixed3 sin u", "motion=fixed1 sin w",
@@ -238,6 +206,8 @@ TEST(catalogue)
                                   .moments = true,
                                   .torques = true,
                                   .moved = true,
+                                  .dwelled = true,
+                                  .by_command = true,
                                   .commanded = true,
                                   .sockets = true,
                                   .pairs = true};
@@ -253,6 +223,7 @@ TEST(catalogue)
         mukca_effect e, other;
         assert_true(info->name && info->title && info->unit && info->sentence && info->terms > 0 &&
                     info->terms <= MUKCA_MAX_TERMS);
+        assert_int_equal(mukca_effect_find(info->name), kind);
         for (int i = 0; mukca_effect_candidate(&e, (mukca_effect_kind)kind, joint, &survey, i);
              i++) {
             char text[MUKCA_EFFECT_TEXT];
@@ -264,8 +235,23 @@ TEST(catalogue)
             mukca_effect_variant_text(text, &e);
             assert_null(mukca_effect_set_variant(&other, *text ? text : NULL, 3));
             assert_true(mukca_effect_same(&e, &other));
+            for (int t = 0; t < e.terms && !mukca_effect_has(kind, MUKCA_TRAIT_RECORDING_FAULT);
+                 t++) {
+                other = (mukca_effect){.kind = e.kind, .joint = joint};
+                mukca_effect_term_text(text, &e, t);
+                assert_int_equal(mukca_effect_term_parse(&other, text, 3), t);
+                assert_true(mukca_effect_same(&other, &e));
+                assert_int_equal(other.terms, e.terms);
+                strcat(text, "?");
+                assert_int_equal(mukca_effect_term_parse(&other, text, 3), -1);
+            }
         }
     }
+    mukca_effect e = {.kind = MUKCA_EFFECT_BACKLASH}; /* variants without unit or sign */
+    assert_null(mukca_effect_set_variant(&e, "0.1", 3));
+    e = (mukca_effect){.kind = MUKCA_EFFECT_JOINT_COUPLING, .joint = 1};
+    assert_null(mukca_effect_set_variant(&e, "1", 3));
+    assert_int_equal(mukca_effect_find("no_such_effect"), -1);
 }
 
 TEST(version)
