@@ -25,7 +25,6 @@ refuse 3 "spoilt.tsv has motor currents, new.tsv torques" motion --urdf motion.u
 spoilt accept "rows that repeat a time left out" awk 'NR % 500 == 0 { print } { print }' new.tsv
 spoilt accept "cut at 1 gap in time_s" awk '!/^[0-9]/ || $1 < 12 || $1 > 15' new.tsv
 # and must not
-refuse 2 "needs RUN" motion --urdf motion.urdf
 refuse 2 "there is no effect 'wind'" motion --urdf motion.urdf new.tsv --without wind
 refuse 2 "is not JOINT=NUMBER" motion --urdf motion.urdf new.tsv --current-gain joint_9=1
 refuse 2 "no value for joint_1" motion --urdf motion.urdf new.tsv --kp joint_2=100
