@@ -55,7 +55,6 @@ ok "the tracker's frame in a table is not that of another base" sh -c "test -s '
 run simulate --poses 60 --seed 3 --effect joint_scale:joint_2=2e-3 --noise 5e-5 -q -o "$dir/signed.csv" --force
 awk -F, -v OFS=, '/^#/ { next } !n++ { print; next }
     { for (j = 2; j <= 8; j++) if ($j < 0) $j = sprintf("%.12f", $j + 6.283185307179586); print }' "$dir/signed.csv" >"$dir/turns.csv"
-run evaluate "$dir/signed.csv" >"$dir/want" 2>"$dir/said"
 run evaluate "$dir/turns.csv" >"$dir/got" 2>"$dir/said"
 ok "angles of 0 to 360 degrees: noted once a joint" grep -q "turns.csv:[0-9]*: joint '.*' is .* rad; read as -.* rad, the same posture" "$dir/said"
 ok "angles of 0 to 360 degrees: none is beyond the limits" sh -c "! grep -q 'beyond its limits' '$dir/said'"

@@ -9,11 +9,18 @@ run simulate --urdf arm.urdf --placements 2 --rows 5 --seed 1 --perturb 1,2 --no
     --effect gear_harmonic:joint_4@160=5e-4
 expect "the same seed gives the same bytes" cmp first.tsv "$scratch/out"
 
-# what --truth says is what was recorded: seen through it, every socket is one point
-simulate --seed 3 --rows 6 --perturb 1,2 --truth truth.tsv -o session.tsv --held-out 2 --test test.csv \
-    --effect joint_compliance:joint_2=3e-5,readback_lag=1e-3 --effect zero_jump:joint_3/p2=1e-3
+# what --truth says is what was recorded, with one of everything that acts on the arm: seen through it, every socket
+# is one point, and as far from the other one as was put in
+simulate --seed 3 --rows 6 --perturb 1,2 --command --truth truth.tsv -o session.tsv --held-out 2 --test test.csv \
+    --effect joint_compliance:joint_2=2e-5,link_bending:joint_3=1e-5,base_compliance=5e-6,backlash:joint_4@300=1e-3 \
+    --effect approach_hysteresis:joint_1=1e-3,joint_scale:joint_2=1e-3,joint_coupling:joint_5@-1=1e-3,readback_lag=1e-3 \
+    --effect encoder_eccentricity:joint_3=1e-3,gear_harmonic:joint_4@240=5e-4,axis_wobble:joint_2@turning2=1e-3 \
+    --effect axis_wobble:joint_3@cone+3=1e-3,joint_drift:joint_1@300=1e-3,joint_drift:joint_6=2e-3 \
+    --effect zero_jump:joint_3/p2=1e-3,ball_shift:p3=1e-3,socket_distance=1e-3
 expect "evaluate reads the recording and its truth" "$MUKCA" evaluate --urdf arm.urdf \
-    --offsets truth.tsv session.tsv --test test.csv --max-mae 1e-9
+    --offsets truth.tsv session.tsv --test test.csv --max-mae 1e-9 -o scores.tsv
+expect "all effects are in the recording as the truth has them" awk -F '\t' '
+    NR > 1 { n++; if (!($5 < 1e-9 && ($9 - 1e-3) ^ 2 < 1e-18)) exit 1 } END { if (n < 4) exit 1 }' scores.tsv
 doubt 'is above --max-mae' evaluate --urdf arm.urdf session.tsv --max-mae 1e-3
 
 # pose logs

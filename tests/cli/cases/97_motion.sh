@@ -1,5 +1,4 @@
 # mukca motion: runs of a moving arm, and bad ones
-. "$here/fixture.sh"
 moves() { "$MUKCA" simulate --urdf "$root/data/demo/arm.urdf" --motion 30 --rate 60 --torque-noise 0.02 "$@"; }
 cp "$root/data/demo/arm.urdf" motion.urdf
 moves --seed 1 --effect payload=0.5,viscous:joint_3=2 -o new.tsv
