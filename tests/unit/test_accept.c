@@ -92,20 +92,6 @@ TEST(the_error_of_the_distance_is_common)
     assert_true(table.acceptance.error_here_high_m < as_printed);
 }
 
-/* The first reading of each socket again and again, with the noise of encoders. */
-TEST(one_posture_a_socket_is_refused)
-{
-    mukca_random random = mukca_random_seeded(1);
-    const int n = data.n_joints;
-    for (int i = 0, first = 0; i < data.n_rows; i++) {
-        if (data.socket[i] != data.socket[first]) first = i;
-        for (int j = 0; j < n; j++)
-            data.q[i * n + j] = data.q[first * n + j] + 1e-5 * mukca_random_normal(&random);
-    }
-    refused_for("");
-    assert_true(table.acceptance.postures == 2 * PLACES);
-}
-
 /* Each sample three times: nothing becomes surer. */
 TEST(repeated_postures_count_once)
 {
@@ -172,12 +158,9 @@ TEST(deviating_samples_are_counted)
     assert_part(table.acceptance.reason, "(rows 21, 22, 23, ");
 }
 
-/* An encoder counts from another zero; the distance of the sockets scales the whole arm. */
+/* An encoder counts from another zero. */
 TEST(another_zero_is_another_arm)
 {
-    for (int i = 0; i < data.n_distances; i++) data.distances[i].distance *= 1.2;
-    refused_for("larger than the model; check --distance");
-    for (int i = 0; i < data.n_distances; i++) data.distances[i].distance /= 1.2;
     for (int i = 0; i < data.n_rows; i++) data.q[i * data.n_joints + 1] += 0.2;
     refused_for("check the URDF, joint zeros");
 }

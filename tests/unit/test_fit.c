@@ -80,14 +80,6 @@ TEST(test_selection)
     const mukca_selection hold = {.regularise_tip = true};
     assert_ok(mukca_parameters_select(&p, &chain, &hold, NULL));
     for (int i = 0; i < p.n; i++) assert_int_equal(p.regularised[i], 1);
-
-    double theta[42], x[42], back[42];
-    mukca_chain_theta(theta, &chain);
-    memcpy(back, theta, sizeof theta);
-    mukca_parameters_pack(x, &p, theta);
-    for (int i = 0; i < p.n; i++) x[i] += i;
-    mukca_parameters_unpack(back, &p, x);
-    for (int i = 0; i < p.n; i++) assert_close(back[p.index[i]], theta[p.index[i]] + i, 0);
 }
 
 /* An arm with errors of that size. */

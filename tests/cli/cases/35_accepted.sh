@@ -3,7 +3,7 @@
 a="--urdf arm.urdf"
 run simulate $a --seed 3 --placements 3 --rows 20 --perturb 2,4 --noise 1e-4 -o sim.tsv
 answer '^Use     yes: held-out error' calibrate $a sim.tsv -o ok.tsv
-doubt '^Use     no: the arm would be 2.8 % larger than the model' calibrate $a sim.tsv --distance 0.052
+doubt '^Use     no: the arm would be 2.8 % larger than the model; check --distance' calibrate $a sim.tsv --distance 0.052
 awk -F'\t' '$1 != "p1" || $2 != "1" || n++ < 10' sim.tsv >cut.tsv
 accept 'note: placement p1: 20 samples of socket 0, 10 of socket 1; was a file cut?' calibrate $a cut.tsv
 run simulate $a --seed 3 --placements 4 --rows 20 --perturb 2,4 --noise 1e-4 --held-out 1 -o four.tsv --test fifth.tsv
