@@ -265,29 +265,6 @@ TEST(bad_tables_are_refused)
                    "README.md:"); /* the file, not only its line */
 }
 
-TEST(columns_may_stand_in_any_order)
-{
-    static char reversed[1 << 17];
-    size_t to = 0;
-    for (const char *line = text; *line;) {
-        const size_t length = strcspn(line, "\n");
-        const char *end = line + length;
-        for (const char *cell = end; *line != '#' && cell > line; end = cell) {
-            while (cell > line && cell[-1] != '\t') cell--;
-            to += (size_t)snprintf(reversed + to, sizeof reversed - to, "%.*s%c", (int)(end - cell),
-                                   cell, cell > line ? '\t' : '\n');
-            if (cell > line) cell--;
-        }
-        if (*line == '#')
-            to +=
-                (size_t)snprintf(reversed + to, sizeof reversed - to, "%.*s\n", (int)length, line);
-        line += length + (line[length] == '\n');
-    }
-    assert_ok(mukca_corrected_parse_named(&other, reversed, strlen(reversed), "table",
-                                          MUKCA_ACCEPT_EDITED, &error));
-    assert_memory_equal(&other, &model, offsetof(mukca_corrected, judged));
-}
-
 TEST(a_million_calls_allocate_nothing)
 {
     double q[7], p[3], J[42], sum = 0;

@@ -1,6 +1,5 @@
 /* Planned poses: in their sockets, allowed, different from each other, and worth more than random
- * ones; evidence between two causes grows. */
-#include "arms.h"
+ * ones. */
 #include "close.h"
 #include "io/urdf.h"
 #include "plan/choose.h"
@@ -109,22 +108,6 @@ TEST(test_better_than_random)
         mukca_dataset_free(&random);
     }
     assert_int_equal(wins, 5);
-}
-
-TEST(test_causes)
-{
-    mukca_plan_socket sockets[2];
-    mukca_dataset data;
-    mukca_plan plan;
-    mukca_effect effects[2] = {make_effect(MUKCA_EFFECT_JOINT_COMPLIANCE, 3, 3e-5),
-                               make_effect(MUKCA_EFFECT_LINK_BENDING, 2, 2e-5)};
-    const mukca_plan_options options = {.rows = 10, .effects = effects, .n_effects = 2};
-    record(&data, 12, 1);
-    mukca_plan_sockets(sockets, 2, &nominal, &data);
-    assert_ok(propose(&plan, &data, sockets, 2, &options));
-    assert_true(plan.evidence_after > 2 * plan.evidence_before);
-    mukca_plan_free(&plan);
-    mukca_dataset_free(&data);
 }
 
 TEST_MAIN(load, NULL)

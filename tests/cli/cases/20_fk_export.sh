@@ -32,6 +32,9 @@ rows 1 50 >fifty.csv
 "$MUKCA" fk --urdf arm.urdf --offsets offsets.tsv --pose fifty.csv >with_table.tsv
 "$MUKCA" fk --urdf calibrated.urdf --pose fifty.csv >with_urdf.tsv
 expect "the exported URDF is the calibrated arm" cmp with_table.tsv with_urdf.tsv
+awk -F '\t' '!/^#/ { for (i = NF; i > 1; i--) printf "%s\t", $i; $0 = $1 } { print }' drift.tsv >reversed.tsv
+for table in drift reversed; do "$MUKCA" fk -q --urdf arm.urdf --offsets $table.tsv fifty.csv >$table.txt; done
+expect "the columns of a table may stand in any order" cmp drift.txt reversed.txt
 
 # the header as its own comment says to use it, compiled by the user's compiler
 "$MUKCA" export --urdf arm.urdf --offsets offsets.tsv --format c -o small.h
