@@ -459,15 +459,6 @@ TEST(subsets_keep_what_belongs_to_their_rows)
                      "p\t0\t5\t0\t1\t10e-1\t1\t0\t0\t1\np\t1\t6\t.2\t1\t.3\t1\t0\t0\t2\n"
                      "p\t0\t8\t.4\t1\t.5\t1\t0\t0\t3\np\t1\t9\t.6\t2\t\t\t0\t0\t4\n");
     assert_ok(load_one(path, NULL));
-    mukca_row_state states;
-    const mukca_joint_state *joints = mukca_dataset_state(&states, &data, 0);
-    assert_true(joints->move[0] == 0 && joints->time == 0 && joints->command[0] == 1);
-    for (int row = 1; row < 4; row++) joints = mukca_dataset_state(&states, &data, row);
-    assert_close(joints->move[0], 0.2, 1e-15);
-    assert_close(joints->move[1], 1, 0);
-    assert_close(joints->time, 4, 0);
-    assert_true(joints->command[0] == joints->q[0] && joints->command[1] == joints->q[1]);
-    assert_int_equal(joints->placement, 0);
     const unsigned char keep[] = {0, 1, 0, 1};
     mukca_dataset part;
     assert_ok(mukca_dataset_subset(&part, &data, keep, &error));

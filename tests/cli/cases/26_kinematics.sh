@@ -14,8 +14,7 @@ expect "a factory file changes the arm" sh -c '! cmp -s nominal.tsv factory.tsv'
 expect "a factory file can be exported as a URDF" cmp factory.tsv as_urdf.tsv
 
 # arms of one model have factory files of their own: their fleet is that of the URDF
-sed 's/0.1625/0.1627/' factory.yaml >sister.yaml
-cmp -s factory.yaml sister.yaml && sed 's/z: 0.1/z: 0.1001/' factory.yaml >sister.yaml
+sed 's/z: 0.1/z: 0.1001/' factory.yaml >sister.yaml
 for arm in factory sister; do
     "$MUKCA" simulate -q --urdf ur5e.urdf --kinematics $arm.yaml --placements 3 --rows 12 --seed 3 --noise 5e-5 \
         --perturb 0.1,0.2 -o $arm.session.tsv
