@@ -2,6 +2,7 @@
  * and what the data cannot tell is called so. */
 #include "arms.h"
 #include "close.h"
+#include "fit/evaluate.h"
 #include "fit/fit.h"
 #include "fit/solver.h"
 #include "math/random.h"
@@ -111,16 +112,10 @@ static void track(mukca_dataset *log, int rows, bool oriented, double sigma)
 
 static double held_out(const mukca_fit *fit, const mukca_dataset *test)
 {
-    mukca_geometry geometry;
-    double sum = 0;
-    mukca_geometry_set(&geometry, &fit->chain, fit->theta);
-    for (int i = 0; i < test->n_rows; i++) {
-        double x[3], square = 0;
-        mukca_fk_position(x, &geometry, test->q + i * JOINTS, NULL);
-        for (int a = 0; a < 3; a++) square += pow(x[a] - test->position[3 * i + a], 2);
-        sum += sqrt(square) / test->n_rows;
-    }
-    return sum;
+    mukca_score score;
+    const mukca_model model = {.chain = &fit->chain, .theta = fit->theta};
+    assert_int_equal(mukca_evaluate(&score, NULL, &model, test), 1);
+    return score.mae;
 }
 
 TEST(test_poses)
