@@ -34,7 +34,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 #define FINGERPRINT(channel, name, fingerprint) fingerprint,
         MUKCA_MESSAGE_LIST(FINGERPRINT)};
     const mukca_lcm_types *types = get_types();
-    mukca_error error;
+    mukca_error error = {MUKCA_OK, ""};
     if (size < 9) return 0;
     /* the first byte chooses the type, so that its fingerprint need not be found by luck */
     int kind = bytes[0] % (types->n_types + MUKCA_MESSAGES) - MUKCA_LCM_STATES;
