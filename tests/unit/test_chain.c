@@ -6,23 +6,20 @@
 #include "mukca/gravity.h"
 #include "mukca/version.h"
 
-#define PI 3.14159265358979323846
+static mukca_random seeded = {.state = {1, 2, 3, 4}};
 
-static unsigned seed = 12345;
 static double uniform(double lo, double hi)
 {
-    seed = seed * 1664525u + 1013904223u;
-    return lo + (hi - lo) * (seed >> 8) / 16777216.0;
+    return lo + (hi - lo) * mukca_random_uniform(&seeded);
 }
 
 /* Random chain of 7 joints with arbitrary axes, a prismatic one and a fixed element inside. */
 static void random_chain(mukca_chain *chain)
 {
-    mukca_random random = mukca_random_seeded(12345);
     make_chain(chain, "RRFRPRRRF", NULL, "j", 0);
     chain->gravity[2] = -9.80665;
     for (int k = 0; k < chain->n_elements; k++) {
-        scatter_element(&chain->element[k], 0.2, k % 2 == 0, &random);
+        scatter_element(&chain->element[k], 0.2, k % 2 == 0, &seeded);
         if (k % 4 == 2) chain->element[k].axis[2] = -1;
         chain->mass[k] = (mukca_mass){k, uniform(0.5, 4), {0.1, uniform(-0.1, 0.1), -0.05}, {0}};
     }
@@ -31,7 +28,7 @@ static void random_chain(mukca_chain *chain)
 
 TEST(rotations)
 {
-    const double angle[] = {0, 1e-12, 1e-5, 0.0099, 0.0101, 0.3, PI / 2, 3, PI - 1e-9, PI};
+    const double angle[] = {0, 1e-12, 1e-5, 0.0099, 0.0101, 0.3, M_PI_2, 3, M_PI - 1e-9, M_PI};
     for (size_t i = 0; i < sizeof angle / sizeof *angle; i++)
         for (int trial = 0; trial < 20; trial++) {
             double axis[3] = {uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)};
@@ -50,7 +47,7 @@ TEST(rotations)
             mukca_cross(cross, e1, e2);
             for (int a = 0; a < 3; a++) assert_close(cross[a], axis[a], 1e-14);
         }
-    const double pitch[] = {0.1, -1.2, PI / 2, -PI / 2, PI / 2 - 1e-7, 2.5};
+    const double pitch[] = {0.1, -1.2, M_PI_2, -M_PI_2, M_PI_2 - 1e-7, 2.5};
     for (size_t i = 0; i < sizeof pitch / sizeof *pitch; i++) {
         const double rpy[3] = {0.4, pitch[i], -2.2};
         double R[9], Q[9], back[3];
