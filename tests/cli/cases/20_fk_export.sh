@@ -7,7 +7,6 @@ table_of arm.urdf 'j1\tz\tm\t0.25\t0.375\t0.125\t1e-5\t1\t-' 'j2\tx\tm\t0\t-0.12
     'tool\tz\tm\t0.125\t0.25\t0.125\t1e-5\t1\t-' >offsets.tsv
 golden fk_offsets fk --urdf arm.urdf --offsets offsets.tsv zero.csv
 golden export_yaml export --urdf arm.urdf --offsets offsets.tsv --format yaml
-run export --urdf arm.urdf --offsets offsets.tsv --format yaml
 "$MUKCA" export --urdf arm.urdf --offsets offsets.tsv -o ending.yaml
 expect "the file's ending means a format" cmp "$scratch/out" ending.yaml
 accept "arm.urdf: robot small, base to ball, 3 joints" fk -v --urdf arm.urdf zero.csv
