@@ -21,7 +21,7 @@ printf 'time_s\tj1\tj2\tj3\n0\t0\t0\t0\n8\t0\t0\t0\n16\t0\t0\t0\n10\t0\t0\t0\n' 
 for command in fk "compensate --position-only"; do
     "$MUKCA" $command -q --urdf arm.urdf --offsets drift.tsv untimed.tsv | cut -f 2- >untimed.txt
     "$MUKCA" $command -q --urdf arm.urdf --offsets drift.tsv timed.tsv | cut -f 2- >timed.txt
-    expect "$command goes on at 8 s per row where a time is missing" cmp untimed.txt timed.txt
+    expect "$command goes on at 8 s per row where a time is missing" equal untimed.txt timed.txt
 done
 run export --urdf arm.urdf
 expect "an export without offsets changes no byte" cmp "$scratch/out" arm.urdf
@@ -30,10 +30,10 @@ expect "an export without offsets changes no byte" cmp "$scratch/out" arm.urdf
 rows 1 50 >fifty.csv
 "$MUKCA" fk --urdf arm.urdf --offsets offsets.tsv --pose fifty.csv >with_table.tsv
 "$MUKCA" fk --urdf calibrated.urdf --pose fifty.csv >with_urdf.tsv
-expect "the exported URDF is the calibrated arm" cmp with_table.tsv with_urdf.tsv
+expect "the exported URDF is the calibrated arm" equal with_table.tsv with_urdf.tsv
 awk -F '\t' '!/^#/ { for (i = NF; i > 1; i--) printf "%s\t", $i; $0 = $1 } { print }' drift.tsv >reversed.tsv
 for table in drift reversed; do "$MUKCA" fk -q --urdf arm.urdf --offsets $table.tsv fifty.csv >$table.txt; done
-expect "the columns of a table may stand in any order" cmp drift.txt reversed.txt
+expect "the columns of a table may stand in any order" equal drift.txt reversed.txt
 
 # the header as its own comment says to use it, compiled by the user's compiler
 "$MUKCA" export --urdf arm.urdf --offsets offsets.tsv --format c -o small.h

@@ -25,7 +25,7 @@ for table in pi numbers; do
     "${PYTHON:-python3}" "$dh" $table.csv >$table.urdf
     echo 0.1,0.2 | "$MUKCA" fk --urdf $table.urdf --pose >$table.txt
 done
-expect "multiples of pi" cmp pi.txt numbers.txt
+expect "multiples of pi" equal pi.txt numbers.txt
 "${PYTHON:-python3}" "$dh" sheet.csv --units deg,mm >sheet.urdf
 echo 0.1,0.2 | "$MUKCA" fk --urdf sheet.urdf --pose >sheet.txt
-expect "a spreadsheet with decimal commas" cmp sheet.txt numbers.txt
+expect "a spreadsheet with decimal commas" equal sheet.txt numbers.txt

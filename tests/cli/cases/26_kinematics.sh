@@ -11,7 +11,7 @@ awk 'BEGIN { for (i = 1; i <= 12; i++) for (j = 1; j <= 6; j++)
 expect "a factory file changes the arm" sh -c '! cmp -s nominal.tsv factory.tsv'
 "$MUKCA" export $ur -o factory.urdf
 "$MUKCA" fk --urdf factory.urdf rows.csv >as_urdf.tsv
-expect "a factory file can be exported as a URDF" cmp factory.tsv as_urdf.tsv
+expect "a factory file can be exported as a URDF" equal factory.tsv as_urdf.tsv
 
 # arms of one model have factory files of their own: their fleet is that of the URDF
 sed 's/z: 0.1/z: 0.1001/' factory.yaml >sister.yaml
@@ -84,7 +84,8 @@ sed 's/j\([123]\)"/joint\1"/' arm.urdf >ufactory.urdf
 rows 1 12 >twelve.csv
 "$MUKCA" fk --urdf ufactory.urdf twelve.csv >arm.tsv
 "$MUKCA" fk --urdf ufactory.urdf --kinematics ufactory.yaml twelve.csv >other.tsv
-expect "UFACTORY's layout, written and read, is the same arm" sh -c 'cmp arm.tsv other.tsv && grep -q "^  joint2:" ufactory.yaml'
+expect "UFACTORY's layout is written" grep -q "^  joint2:" ufactory.yaml
+expect "UFACTORY's layout, written and read, is the same arm" equal arm.tsv other.tsv
 
 # bad files: one line each
 bad() { sed "$1" factory.yaml >bad.yaml; }
