@@ -4,21 +4,15 @@
 # tests/docs.  Skipped where Slurm cannot be started, and says why.
 set -u
 cd "$(dirname "$0")/.." || exit 1
-# shellcheck source=tests/ok.bash
 . tests/ok.bash
-skip() {
-    echo "SKIPPED fleet_jobs: $1"
-    exit 77
-}
 for program in munged slurmctld slurmd sbatch; do
-    PATH=$PATH:/usr/sbin:/sbin command -v $program >/dev/null || skip "no $program (Debian: slurm-wlm munge)"
+    PATH=$PATH:/usr/sbin:/sbin command -v $program >/dev/null || skip "fleet_jobs: no $program (Debian: slurm-wlm munge)"
 done
-[ "$(id -u)" -eq 0 ] || skip "not root"
+[ "$(id -u)" -eq 0 ] || skip "fleet_jobs: not root"
 PATH=${mukca%/*}:$PATH:/usr/sbin:/sbin
 chmod 755 "$dir"
 daemons=
 stop() {
-    # shellcheck disable=SC2086
     kill $daemons 2>/dev/null
     wait
     rm -rf "$dir"
@@ -74,7 +68,7 @@ for plugin in disabled cgroup/v1 cgroup/v2; do
         sleep 1
     done
 done
-[ -n "$ready" ] || skip "Slurm does not start: $(cat "$dir"/*.out "$dir"/slurm*.log 2>/dev/null | grep -iE 'error|fatal' | tail -n 1)"
+[ -n "$ready" ] || skip "fleet_jobs: Slurm does not start: $(cat "$dir"/*.out "$dir"/slurm*.log 2>/dev/null | grep -iE 'error|fatal' | tail -n 1)"
 
 # ---- the commands: the first block makes the data, the block in `bash` is Slurm's
 cp -r data docs "$dir"

@@ -4,7 +4,6 @@
 set -u
 cd "$(dirname "$0")/.." || exit 1
 build=${BUILD:-build}
-# shellcheck source=tests/ok.bash
 . tests/ok.bash
 
 read -ra sources <<<"$HEART_SRC"

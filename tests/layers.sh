@@ -53,7 +53,6 @@ hit=$(grep -rnwE "MUKCA_EFFECT_($names)" src | grep -v '^src/effect/')
 # The core needs libm and nothing else.
 sources=$(for module in $core; do find "src/$module" -name '*.[ch]' ! -name 'nlopt_*'; done)
 for pattern in nlopt lcm/ jansson libxml urdf console_bridge unistd.h sys/; do
-    # shellcheck disable=SC2086
     hit=$(grep -ln "#[ \t]*include[ \t]*<$pattern" $sources include/mukca/*.h 2>/dev/null)
     [ -z "$hit" ] || fail "the core includes <$pattern...>: $hit"
 done

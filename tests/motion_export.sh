@@ -3,13 +3,9 @@
 # of the arm that was recorded.
 set -u
 cd "$(dirname "$0")/.." || exit 1
-# shellcheck source=tests/ok.bash
 . tests/ok.bash
 python=${PYTHON:-python3}
-if ! "$python" -c 'import mujoco' 2>/dev/null; then
-    echo "motion_export: SKIPPED, python3 has no mujoco (pip install mujoco)" >&2
-    exit 77
-fi
+"$python" -c 'import mujoco' 2>/dev/null || skip "motion_export: python3 has no mujoco (pip install mujoco)"
 arm=data/demo/arm.urdf
 "$mukca" export -q --urdf $arm -f mjcf -o "$dir/plain.xml" || exit 1
 # a model of one's own: drives with friction, and a last body whose frame is turned by 90 degrees about x

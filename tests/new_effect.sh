@@ -3,7 +3,6 @@
 # sources, simulates a session with it, and has `diagnose` name it at the right joint.
 set -eu
 cd "$(dirname "$0")/.."
-# shellcheck source=tests/ok.bash
 . tests/ok.bash
 build=${BUILD:-$PWD/build}
 cp -r Makefile src include tools "$dir"

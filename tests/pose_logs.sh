@@ -3,7 +3,6 @@
 set -u
 cd "$(dirname "$0")/.." || exit 1
 
-# shellcheck source=tests/ok.bash
 . tests/ok.bash
 
 urdf=data/demo/arm.urdf
@@ -39,7 +38,6 @@ BEGIN { split("A .03 0 .02 B -.02 .03 .02 C 0 -.04 .05 D .05 .05 0", s, " ")
     print q, a >dir "/one.csv"
     print "A", q, a RS "B", q, b RS "C", q, c >dir "/rows.csv" }' "$dir/all.csv"
 run() { "$mukca" "$1" --urdf $urdf "${@:2}"; }
-below() { awk -v value="$1" -v most="$2" 'BEGIN { exit !(value + 0 > 0 && value < most) }'; }
 
 # ---- a tracker on its side: gravity and the base's tilt are of the arm's base
 "$mukca" simulate --urdf $urdf --poses 100 --seed 3 --effect base_compliance=4e-5 --noise 5e-5 -q -o "$dir/tilts.csv" --force
@@ -47,8 +45,8 @@ awk -F, -v OFS=, '/^#/ { next } !n++ { print $2, $3, $4, $5, $6, $7, $8, "x_m", 
     { print $2, $3, $4, $5, $6, $7, $8, $11 + 2, $9 - 1, $10 + 0.5 }' "$dir/tilts.csv" >"$dir/side.csv"
 run diagnose "$dir/side.csv" --free-base -o "$dir/side.tsv" >"$dir/side.txt" 2>"$dir/said"
 run evaluate "$dir/side.csv" --offsets "$dir/side.tsv" --json "$dir/side.json" >"$dir/scores" 2>"$dir/said"
-ok "evaluate has base compliance in the arm's base" below "$(sed -n 's/^  "mae_m": \([0-9.e-]*\),.*/\1/p' "$dir/side.json")" 1e-4
-ok "and so has the largest change of the tip" below "$(sed -n 's/^# tip_change_m: //p' "$dir/side.tsv")" 0.03
+ok "evaluate has base compliance in the arm's base" less "$(sed -n 's/^  "mae_m": \([0-9.e-]*\),.*/\1/p' "$dir/side.json")" 1e-4
+ok "and so has the largest change of the tip" less "$(sed -n 's/^# tip_change_m: //p' "$dir/side.tsv")" 0.03
 
 run fk "$dir/side.csv" --offsets "$dir/side.tsv" --accept-failed >"$dir/tips" 2>"$dir/said"
 ok "the tracker's frame in a table is not that of another base" sh -c "test -s '$dir/tips' && ! grep 'another base' '$dir/said'"
@@ -57,7 +55,6 @@ ok "the tracker's frame in a table is not that of another base" sh -c "test -s '
 run simulate --poses 60 --seed 3 --effect joint_scale:joint_2=2e-3 --noise 5e-5 -q -o "$dir/signed.csv" --force
 awk -F, -v OFS=, '/^#/ { next } !n++ { print; next }
     { for (j = 2; j <= 8; j++) if ($j < 0) $j = sprintf("%.12f", $j + 6.283185307179586); print }' "$dir/signed.csv" >"$dir/turns.csv"
-run evaluate "$dir/signed.csv" >"$dir/want" 2>"$dir/said"
 run evaluate "$dir/turns.csv" >"$dir/got" 2>"$dir/said"
 ok "angles of 0 to 360 degrees: noted once a joint" grep -q "turns.csv:[0-9]*: joint '.*' is .* rad; read as -.* rad, the same posture" "$dir/said"
 ok "angles of 0 to 360 degrees: none is beyond the limits" sh -c "! grep -q 'beyond its limits' '$dir/said'"
@@ -93,7 +90,7 @@ for form in columns rows; do
         >"$dir/$form.txt" 2>"$dir/said"
     ok "$form: three targets" grep -q 'each of the 3 targets has its own position on the tool' "$dir/$form.txt"
     ok "$form: nothing is found in noise" grep -q '"verdict": "none"' "$dir/$form.json"
-    ok "$form: an untrained target is placed by the test data" below \
+    ok "$form: an untrained target is placed by the test data" less \
         "$(awk '/^  calibrated geometry/ { print $4 }' "$dir/$form.txt")" 0.25
 done
 run evaluate "$dir/rows.csv" "$dir/test.csv" --offsets "$dir/rows.tsv" >"$dir/scores" 2>"$dir/said"
@@ -108,7 +105,7 @@ ok "a row per log and target" test "$(cut -f 2 "$dir/scores" | tr '\n' ' ')" = "
 ok "each below 0.25 mm" awk -F'\t' 'NR > 1 && !($5 < 2.5e-4) { exit 1 }' "$dir/scores"
 run report "$dir/columns.csv" --free-base --test "$dir/test.csv" -o "$dir/targets.html" >"$dir/said" 2>&1
 for row in 'nominal model=10' 'calibrated geometry=0.25'; do
-    ok "report of several targets: ${row%=*}" below \
+    ok "report of several targets: ${row%=*}" less \
         "$(sed -n "s/^<tr>.*<td>${row%=*}<.*>\([0-9.]*\)<\/td>$/\1/p; s/.*<td>${row%=*}<.*>\([0-9.]*\)<\/td><\/tr>$/\1/p" "$dir/targets.html" | head -n 1)" "${row#*=}"
 done
 refuses "calibrate names the command for several" 3 'the pose logs have 3 targets; mukca diagnose -o' run calibrate "$dir/rows.csv" --free-base
@@ -120,7 +117,7 @@ ok "evaluate: a row per log" test "$(cut -f 2,3 "$dir/scores" | tr '\t\n' ': ')"
 for tip in link_7 ball_link; do # the link of the last moving joint has no fixed joint for the target
     run diagnose "$dir/one.csv" --tip $tip --free-base --free-tool -o "$dir/one.tsv" --force >"$dir/one.txt" 2>"$dir/said"
     run evaluate "$dir/two.csv" --tip $tip --offsets "$dir/one.tsv" >"$dir/scores" 2>"$dir/said"
-    ok "$tip: the table of a diagnosis predicts as the diagnosis does" awk -F'\t' 'NR > 1 && !($5 < 2.5e-4) { exit 1 }' "$dir/scores"
+    ok "$tip: the table of a diagnosis predicts as the diagnosis does" awk -F'\t' 'NR > 1 && !($5 < 2.5e-4) { bad = 1 } END { exit bad || NR < 2 }' "$dir/scores"
 done
 
 # ---- what is said of pose logs
@@ -150,25 +147,6 @@ refuses "the other order is noticed: w last" 3 'last.csv:[0-9]*: column 11: the 
 refuses "the other order is noticed: w first" 3 'first.csv:[0-9]*: column 14: .* the quaternions fit as wxyz: --rotation wxyz$' run evaluate "$dir/first.csv" --map order-w-last
 refuses "poses the other way round are noticed" 3 "the poses fit as those of the target in the fixed frame: omit --inverse-poses$" run evaluate "$dir/named.csv" --inverse-poses
 
-# ---- angles of another convention: every command names the one that fits, and reads it
-# turns about x, y, z: as they are, the first about the fixed x (roll, pitch, yaw) or the moved one (intrinsic XYZ)
-awk -F, -v OFS=, 'NR == 1 { print $0; next } { w = $11; x = $12; y = $13; z = $14
-    s = 2 * (x * z + w * y); s = s > 1 ? 1 : s < -1 ? -1 : s
-    a = atan2(-2 * (y * z - w * x), w * w - x * x - y * y + z * z); b = atan2(s, sqrt(1 - s * s))
-    c = atan2(-2 * (x * y - w * z), w * w + x * x - y * y - z * z)
-    NF = 10; print $0, sprintf("%.12f", a), sprintf("%.12f", b), sprintf("%.12f", c) }' "$dir/named.csv" |
-    sed '1s/qw,qx,qy,qz/roll,pitch,yaw/' >"$dir/turned.csv"
-for command in calibrate diagnose recalibrate evaluate plan; do
-    refuses "$command names the convention that fits" 3 "turned.csv:[0-9]*: column 'roll': .* the angles fit as intrinsic XYZ: --rotation XYZ$" run $command "$dir/turned.csv"
-done
-run evaluate "$dir/turned.csv" --rotation XYZ -q >"$dir/scores"
-cut -f 3- "$dir/wanted" | head -n 2 >"$dir/a"
-ok "--rotation reads the angles" sh -c "cut -f 3- '$dir/scores' | head -n 2 | awk -F'\t' 'NR == FNR { for (i = 1; i <= NF; i++) a[FNR, i] = \$i; next } FNR > 1 { for (i = 1; i <= NF; i++) if (!((\$i - a[FNR, i])^2 < 1e-18)) exit 1 }' - '$dir/a'"
-run evaluate "$dir/turned.csv" --rotation none -q >"$dir/scores"
-ok "--rotation none reads the positions alone" awk -F'\t' 'NR == FNR { wanted = $5; next } FNR == 2 { found = ($5 - wanted) ^ 2 < 1e-18 && $10 == "" && $11 == "" } END { exit !found }' \
-    "$dir/wanted" "$dir/scores"
-refuses "an unknown convention is an error" 2 '^mukca evaluate: --rotation XXZ: give angles as XYZ (intrinsic)' run evaluate "$dir/turned.csv" --rotation XXZ
-
 # ---- orientations that contradict the positions in every convention: a note, and no table is accepted
 awk -F, -v OFS=, 'NR > 1 { $12 *= 1.6; n = sqrt($11^2 + $12^2 + $13^2 + $14^2); for (i = 11; i < 15; i++) $i = sprintf("%.12f", $i / n) } 1' \
     "$dir/named.csv" >"$dir/bent.csv"
@@ -177,6 +155,10 @@ for command in calibrate diagnose recalibrate; do
     ok "$command refuses orientations that contradict the positions" grep -qE '^Use +no: |no offsets table is written' "$dir/said"
     ok "$command: and says so" grep -q 'note: .*bent.csv: the orientations contradict the positions by [0-9]* mrad in every common convention; --rotation none' "$dir/said"
 done
+run evaluate "$dir/bent.csv" --rotation none -q >"$dir/scores"
+ok "--rotation none reads the positions alone" awk -F'\t' 'NR == FNR { wanted = $5; next } FNR == 2 { found = ($5 - wanted) ^ 2 < 1e-18 && $10 == "" && $11 == "" } END { exit !found }' \
+    "$dir/wanted" "$dir/scores"
+refuses "an unknown convention is an error" 2 '^mukca evaluate: --rotation XXZ: give angles as XYZ (intrinsic)' run evaluate "$dir/named.csv" --rotation XXZ
 
 # ---- columns and frames that explain poses far off are named by recalibrate, too
 awk -F, -v OFS=, 'NR > 1 { $4 *= -1 } 1' "$dir/named.csv" >"$dir/sign.csv"
@@ -187,11 +169,4 @@ run recalibrate "$dir/base.csv" 2>&1 | tr '\n' ' ' >"$dir/said"
 ok "a base frame turned by half a turn" grep -q 'with the base turned by 1[78][0-9.]* degrees' "$dir/said"
 run recalibrate "$dir/named.csv" 2>&1 | tr '\n' ' ' >"$dir/said"
 ok "nothing of a log that fits" sh -c "grep -q 'Result' '$dir/said' && ! grep -q 'would agree' '$dir/said'"
-
-# ---- units
-head -n 1 "$dir/named.csv" | sed 's/_m//g' >"$dir/plain.csv"
-cat "$dir/first.csv" >>"$dir/plain.csv"
-for command in evaluate recalibrate; do
-    refuses "$command: x, y, z need a unit" 3 'columns x, y, z without a unit; give --units' run $command "$dir/plain.csv"
-done
 exit $failed

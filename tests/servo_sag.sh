@@ -4,7 +4,6 @@
 set -u
 cd "$(dirname "$0")/.." || exit 1
 
-# shellcheck source=tests/ok.bash
 . tests/ok.bash
 
 arm() { "$mukca" "$1" -q --urdf data/demo/arm.urdf "${@:2}"; }

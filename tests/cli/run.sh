@@ -62,6 +62,24 @@ golden() {
     fi
 }
 
+# two files have the same bytes, and some
+equal() { test -s "$1" && cmp "$1" "$2"; }
+
+# the first columns of two tables agree, row by row
+near() { # WITHIN COLUMNS TABLE TABLE
+    paste "$3" "$4" | awk -v most="$1" -v n="$2" '
+        NF % 2 { exit 1 }
+        NR > 1 { for (i = 1; i <= n; i++) { d = $i - $(i + NF / 2); if (!(d * d <= most * most)) exit 1 } }
+        END { if (NR < 2) exit 1 }'
+}
+
+# an offsets table made by hand
+table_of() { # URDF ROW...
+    echo "# urdf_sha256: $(sha256sum "$1" | cut -d ' ' -f 1)"
+    shift
+    printf '%b\n' 'joint\tparameter\tunit\tnominal\tcalibrated\toffset\tsigma\tidentifiable\tterm' "$@"
+}
+
 files() { find . -type f -exec cksum {} + 2>/dev/null | sort; }
 
 refuse() {
@@ -90,7 +108,6 @@ says() {
     wanted=$1 where=$2 pattern=$3
     shift 3
     run "$@"
-    # shellcheck disable=SC2086
     if [ $code -ne "$wanted" ] || ! (cd "$scratch" && cat $where) | grep -q -- "$pattern"; then
         fail "says '$pattern': mukca $*" "exit $code: $(cat "$scratch/out" "$scratch/err")"
         return 1

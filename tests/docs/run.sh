@@ -50,12 +50,10 @@ check "options that documents mention exist" "$(
                 -e --joblog -e --resume -e --parsable -e --wrap -e --dependency -e --csv -e --full-length -e --hide-type -e "$(cut -f 2 "$scratch/options")" | sed "s|^|$page: |"
     done)"
 check "make targets that documents mention exist" "$(
-    # shellcheck disable=SC2086
     grep -ohE '(`|^)make (-f tools/Makefile )?[a-z][a-z0-9-]+' $pages CONTRIBUTING.md ARCHITECTURE.md CHANGELOG.md mukca.1 | sort -u |
         sed 's/.*make -f \([^ ]*\) /\1 /; s/.*make /Makefile /' |
         while read -r file target; do grep -qE "^$target:" "$file" Makefile || echo "$target in $file"; done)"
 check "files and headings that documents link to exist" "$(
-    # shellcheck disable=SC2086
     "${PYTHON:-python3}" - $pages CONTRIBUTING.md ARCHITECTURE.md CHANGELOG.md <<'PY'
 import os, re, sys
 def anchors(page):
@@ -73,11 +71,9 @@ for page in sys.argv[1:]:
 PY
 )"
 check "functions that documents name exist in the file beside them" "$(
-    # shellcheck disable=SC2086,SC2016
     grep -ohE '`[a-z_]+\(\)`( in \[[^]]*\])?' ARCHITECTURE.md CONTRIBUTING.md $pages | sort -u | while read -r found; do
         name=${found#?} name=${name%%\(*}
         file=$(echo "$found" | sed -n 's/.*\[\(.*\)\]/\1/p')
-        # shellcheck disable=SC2086
         grep -rqF "$name(" ${file:-src include} || echo "$found"
     done)"
 for page in docs/diagnosis.md mukca-formats.5; do
@@ -155,7 +151,6 @@ done < <("$MUKCA" help options | tail -n +2 | cut -f 1 | uniq | while read -r co
 # ---- every JSON key and column of what the examples wrote is described
 sed 's/\\-/-/g; s/\\f.//g' "$root/mukca-formats.5" >formats.txt
 a="--urdf data/demo/arm.urdf" d="data/demo/train.tsv --test data/demo/test.tsv"
-# shellcheck disable=SC2086
 {
     mukca calibrate $a $d --json calibrate.json
     mukca evaluate $a $d --json evaluate.json -o evaluate.tsv

@@ -27,18 +27,14 @@ static const mukca_lcm_types *get_types(void)
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {
     static union {
-        mukca_message_trigger trigger;
-        mukca_message_command command;
-        mukca_message_status status;
-        mukca_message_sample sample;
-        mukca_message_result result;
-        mukca_message_pose pose;
+#define MEMBER(channel, name, fingerprint) mukca_message_##name name;
+        MUKCA_MESSAGE_LIST(MEMBER)
     } message;
     static const uint64_t own[] = {
 #define FINGERPRINT(channel, name, fingerprint) fingerprint,
         MUKCA_MESSAGE_LIST(FINGERPRINT)};
     const mukca_lcm_types *types = get_types();
-    mukca_error error;
+    mukca_error error = {MUKCA_OK, ""};
     if (size < 9) return 0;
     /* the first byte chooses the type, so that its fingerprint need not be found by luck */
     int kind = bytes[0] % (types->n_types + MUKCA_MESSAGES) - MUKCA_LCM_STATES;

@@ -12,7 +12,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     mukca_status status = mukca_lcm_types_parse(&types, text, "fuzz.lcm", &error);
     free(text);
     if (status && (types.n_types != n_types || types.n_fields != n_fields)) abort();
-    if (status && !error.text[0]) abort();
+    check_refusal(status, &error);
     if (!status)
         for (int t = n_types; t < types.n_types; t++) {
             mukca_lcm_type_set_role(&types, t, MUKCA_LCM_ROLE_POSITION, "q", &error);

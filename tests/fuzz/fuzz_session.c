@@ -22,7 +22,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     if (stat(task.path, &before)) abort();
     mukca_status status = mukca_session_open(&session, &task, &error);
     if (stat(task.path, &after)) abort();
-    if (status && !error.text[0]) abort();
+    check_refusal(status, &error);
+    if (status && after.st_size != before.st_size) abort();
     if (!status) {
         int rows = session.n_rows;
         if (mukca_session_add(&session, "p", "0", &sample, &error) || session.n_rows != rows + 1)

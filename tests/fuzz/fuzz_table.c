@@ -17,7 +17,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
                 mukca_columns_rename(&table, names);
             for (int c = 0; c < table.n_columns; c++) mukca_table_number(&table, c);
         }
-        if (mukca_table_close(&table) && !error.text[0]) abort();
+        check_refusal(mukca_table_close(&table), &error);
     }
     return 0;
 }

@@ -7,7 +7,7 @@ import subprocess
 import xml.etree.ElementTree
 
 import foreign
-from foreign import Arm, Client, MUKCA, check, finish, fresh, mukca, robots, stop, table, take, told
+from foreign import Arm, Client, MUKCA, check, ended, finish, fresh, mukca, robots, stop, table, take, told
 
 NAME, KIND, _, CHANNEL, URDF, ROWS = robots()[-1]
 ROWS = [ROWS[i * len(ROWS) // 24] for i in range(24)]
@@ -222,9 +222,7 @@ def replays(client, arm):
     logger.send_signal(signal.SIGINT)
     logger.wait(10)
     p = serve(again, "--lcm-url", "file://" + log)
-    p.wait(60)
-    p.reader.join()
-    check("replay: ends with the log", p.returncode == 0, p.said)
+    check("replay: ends with the log", ended(p, 60) == 0, p.said)
     for name in ("sessions/s.tsv", "results/s.offsets.tsv"):
         texts = [[line for line in open(os.path.join(folder, name)) if not line.startswith("# ")]
                  for folder in (state, again)]

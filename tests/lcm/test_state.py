@@ -2,8 +2,7 @@
 import fcntl
 import os
 
-from foreign import Arm, Client, ROWS, check, finish, fresh, serve, stop, table, take
-
+from foreign import Arm, Client, ROWS, check, ended, finish, fresh, serve, stop, table, take
 
 
 def recorded(state, name):
@@ -39,8 +38,7 @@ def one_server(client, state):
     p = serve(state, heard=client)
     check("folder: what killed writers left is removed", not any(os.path.exists(path) for path in litter))
     second = serve(state)
-    code = second.wait(20)
-    second.reader.join(5)
+    code = ended(second)
     check("folder: a second serve is refused and names the first", code == 3 and len(second.said) == 1 and
           "process %d" % p.pid in second.said[0], (code, second.said))
     check("folder: the first goes on", p.poll() is None and client.command("start", "x").code == 0)

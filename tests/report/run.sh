@@ -3,7 +3,6 @@
 # of calibrate, failures clear; the page of a fleet.
 set -u
 cd "$(dirname "$0")/../.." || exit 1
-# shellcheck source=tests/ok.bash
 . tests/ok.bash
 out=$dir
 arm=data/demo/arm.urdf

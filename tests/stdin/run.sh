@@ -4,7 +4,6 @@ set -u
 cd "$(dirname "$0")/../.." || exit 1
 recorded=data/demo/joint_states.csv
 
-# shellcheck source=tests/ok.bash
 . tests/ok.bash
 
 "${PYTHON:-python3}" tests/stdin/convert.py $recorded "$dir" || exit 1

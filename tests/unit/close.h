@@ -104,10 +104,11 @@ static inline int test_run(CMFixtureFunction setup, CMFixtureFunction teardown)
     } while (0)
 #define assert_refused(call, part) assert_error(call, MUKCA_INPUT, error, part)
 
-#define assert_part(text, part)                                                 \
-    do {                                                                        \
-        const char *whole = (text);                                             \
-        if (!strstr(whole, (part))) fail_msg("'%s' lacks '%s'", whole, (part)); \
+#define assert_part(text, part)                                          \
+    do {                                                                 \
+        const char *whole = (text);                                      \
+        if (!whole || !strstr(whole, (part)))                            \
+            fail_msg("'%s' lacks '%s'", whole ? whole : "NULL", (part)); \
     } while (0)
 
 #endif

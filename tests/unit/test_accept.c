@@ -92,20 +92,6 @@ TEST(the_error_of_the_distance_is_common)
     assert_true(table.acceptance.error_here_high_m < as_printed);
 }
 
-/* The first reading of each socket again and again, with the noise of encoders. */
-TEST(one_posture_a_socket_is_refused)
-{
-    mukca_random random = mukca_random_seeded(1);
-    const int n = data.n_joints;
-    for (int i = 0, first = 0; i < data.n_rows; i++) {
-        if (data.socket[i] != data.socket[first]) first = i;
-        for (int j = 0; j < n; j++)
-            data.q[i * n + j] = data.q[first * n + j] + 1e-5 * mukca_random_normal(&random);
-    }
-    refused_for("");
-    assert_true(table.acceptance.postures == 2 * PLACES);
-}
-
 /* Each sample three times: nothing becomes surer. */
 TEST(repeated_postures_count_once)
 {
@@ -113,18 +99,13 @@ TEST(repeated_postures_count_once)
     mukca_offsets_init(&table, &arm.chain);
     const mukca_tip_change_task task = {.chain = &arm.chain, .to = &table, .data = &data};
     assert_ok(mukca_tip_error_expect(&once, &task, &error));
+    scene thrice_as_long = arm;
+    thrice_as_long.how.rows *= 3;
     mukca_dataset all;
+    record(&all, &thrice_as_long);
     const size_t n = (size_t)data.n_joints;
-    assert_ok(mukca_dataset_create(&all, 3 * data.n_rows, data.n_joints, data.n_sockets,
-                                   data.n_placements, &error));
-    for (int i = 0; i < all.n_rows; i++) {
+    for (int i = 0; i < all.n_rows; i++)
         memcpy(all.q + (size_t)i * n, data.q + (size_t)(i / 3) * n, n * sizeof *all.q);
-        all.socket[i] = data.socket[i / 3];
-    }
-    memcpy(all.sockets, data.sockets, (size_t)data.n_sockets * sizeof *data.sockets);
-    all.distances = zeroed((size_t)data.n_distances, sizeof *all.distances);
-    all.n_distances = data.n_distances;
-    memcpy(all.distances, data.distances, (size_t)data.n_distances * sizeof *data.distances);
     const mukca_tip_change_task again = {.chain = &arm.chain, .to = &table, .data = &all};
     assert_ok(mukca_tip_error_expect(&thrice, &again, &error));
     assert_int_equal(thrice.postures, once.postures);
@@ -173,16 +154,13 @@ TEST(deviating_samples_are_counted)
 {
     for (int i = 0; i < 8; i++) data.socket[20 + i] ^= 1;
     refused_for("8 of ");
-    assert_non_null(strstr(table.acceptance.reason, "deviate from the others, by up to 5"));
-    assert_non_null(strstr(table.acceptance.reason, "(rows 21, 22, 23, "));
+    assert_part(table.acceptance.reason, "deviate from the others, by up to 5");
+    assert_part(table.acceptance.reason, "(rows 21, 22, 23, ");
 }
 
-/* An encoder counts from another zero; the distance of the sockets scales the whole arm. */
+/* An encoder counts from another zero. */
 TEST(another_zero_is_another_arm)
 {
-    for (int i = 0; i < data.n_distances; i++) data.distances[i].distance *= 1.2;
-    refused_for("larger than the model; check --distance");
-    for (int i = 0; i < data.n_distances; i++) data.distances[i].distance /= 1.2;
     for (int i = 0; i < data.n_rows; i++) data.q[i * data.n_joints + 1] += 0.2;
     refused_for("check the URDF, joint zeros");
 }

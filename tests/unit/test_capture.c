@@ -84,12 +84,12 @@ TEST(a_sample_is_the_mean_of_the_window)
     }
     assert_ok(take(0));
     assert_int_equal(sample.n, 200);
-    assert_true(!(fabs(sample.q[0] - 1.00005) > 1e-12));
+    assert_close(sample.q[0], 1.00005, 1e-12);
     assert_true(sample.q[1] == -2);
     assert_true(sample.q[2] == 1.44);
-    assert_true(!(fabs(sample.spread[0] - 0.5e-4 * sqrt(200 / 199.)) > 1e-10));
+    assert_close(sample.spread[0], 0.5e-4 * sqrt(200 / 199.), 1e-10);
     assert_true(sample.spread[1] == 0);
-    assert_true(!(fabs(sample.time - 4.999) > 1e-9));
+    assert_close(sample.time, 4.999, 1e-9);
 }
 
 TEST(moving_stale_and_thin_streams_are_refused)
@@ -245,8 +245,8 @@ TEST(remarks_name_what_is_odd)
                 "48 mm from this socket's other samples: this looks like socket 1");
     mukca_capture_drop(&capture);
     mukca_capture_spread(&rms, &last, &capture, 0);
-    assert_true(!(fabs(rms - 0.5e-4) > 1e-9));
-    assert_true(!(fabs(last - 0.6e-4) > 1e-9));
+    assert_close(rms, 0.5e-4, 1e-9);
+    assert_close(last, 0.6e-4, 1e-9);
     assert_part(keep(0.6, 0.2, 0.201), "nearly the posture of sample 2");
     mukca_capture_drop(&capture);
     assert_string_equal(mukca_capture_next_label(&capture), "1");

@@ -52,9 +52,8 @@ static void make_data(scene *s, mukca_random *random)
     for (int i = 0; i < ROWS * n; i++) s->data.q[i] = mukca_random_normal(random);
     for (int i = 0; i < sockets; i++) s->data.socket[i] = i; /* alone, each is seated */
     if (sockets) return;
-    s->data.position = malloc(3 * ROWS * sizeof(double));
-    s->data.quaternion = s->oriented ? malloc(4 * ROWS * sizeof(double)) : NULL;
-    assert_true(s->data.position && (s->data.quaternion || !s->oriented));
+    s->data.position = zeroed(3 * ROWS, sizeof(double));
+    s->data.quaternion = s->oriented ? zeroed(4 * ROWS, sizeof(double)) : NULL;
     for (int i = 0; i < ROWS; i++) {
         s->data.file[i] = i >= ROWS / 2;
         mukca_fk_pose(&pose, &nominal, s->data.q + i * n, NULL);

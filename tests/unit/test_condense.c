@@ -7,29 +7,20 @@ enum { TIMES = 3 };
 
 static scene s;
 
-/* Each row of a recording TIMES times, at angles that differ by less than an encoder's noise. */
+/* Each row of a recording TIMES times, at angles that differ by less than an encoder's noise,
+ * without times. */
 static void repeat(mukca_dataset *out, const mukca_dataset *data)
 {
     const int n = data->n_joints;
-    unsigned char *all = zeroed(1, (size_t)data->n_rows);
-    memset(all, 1, (size_t)data->n_rows);
-    mukca_dataset longer = {0};
-    assert_ok(mukca_dataset_create(&longer, TIMES * data->n_rows, n, data->n_sockets,
-                                   data->n_placements, &error));
-    assert_ok(mukca_dataset_subset(out, data, all, &error));
-    for (int i = 0; i < TIMES * data->n_rows; i++) {
-        for (int j = 0; j < n; j++)
-            longer.q[i * n + j] =
-                data->q[i / TIMES * n + j] + 5e-5 * sin(12.9898 * (i + 1) + 78.233 * j);
-        longer.socket[i] = data->socket[i / TIMES];
-        longer.row[i] = i + 1;
-    }
-    free(all);
-    free(out->q), free(out->socket), free(out->row), free(out->file), free(out->time);
-    out->q = longer.q, out->socket = longer.socket, out->row = longer.row, out->file = longer.file;
+    scene longer = s;
+    longer.how.rows *= TIMES;
+    record(out, &longer);
+    free(out->time);
     out->time = NULL;
-    out->n_rows = longer.n_rows;
-    free(longer.sockets), free(longer.placements);
+    for (int i = 0; i < out->n_rows; i++)
+        for (int j = 0; j < n; j++)
+            out->q[i * n + j] =
+                data->q[i / TIMES * n + j] + 5e-5 * sin(12.9898 * (i + 1) + 78.233 * j);
 }
 
 FIXTURE(set_up)

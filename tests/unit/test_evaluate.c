@@ -31,9 +31,8 @@ TEST(test_by_hand)
     for (int k = 0; k < 2; k++) chain.element[k].axis[2] = 0, chain.element[k].axis[k] = 1;
     mukca_chain_theta(theta, &chain);
     make_data(&data, q, socket, 9);
-    data.position = malloc(27 * sizeof *data.position);
-    data.quaternion = malloc(36 * sizeof *data.quaternion);
-    assert_true(data.position && data.quaternion);
+    data.position = zeroed(27, sizeof *data.position);
+    data.quaternion = zeroed(36, sizeof *data.quaternion);
     for (int i = 0; i < 27; i++) data.position[i] = NAN;
     for (int i = 0; i < 36; i++) data.quaternion[i] = NAN;
     data.position[21] = 0.1, data.position[22] = 0.2, data.position[23] = 0.302; /* 2 mm off */

@@ -2,6 +2,7 @@
  * and what the data cannot tell is called so. */
 #include "arms.h"
 #include "close.h"
+#include "fit/evaluate.h"
 #include "fit/fit.h"
 #include "fit/solver.h"
 #include "math/random.h"
@@ -56,11 +57,9 @@ TEST(test_selection)
     assert_int_equal(count_free("yaw", NULL), 7);
     assert_int_equal(count_free("yaw,joint_1", "joint_1.roll"), 11);
     assert_int_equal(count_free(NULL, "joint_7,x,y,z"), 18);
-    assert_int_equal(count_free("joint_9", NULL), -1);
     assert_int_equal(count_free("joint_2.w", NULL), -1);
     assert_int_equal(count_free("joint_1,,x", NULL), -1);
     assert_int_equal(count_free("", NULL), -1);
-    assert_int_equal(count_free(NULL, "x,y,z,roll,pitch,yaw"), -1);
 
     /* a fixed joint in between stays, unless it is asked for */
     chain.element[2].type = MUKCA_FIXED;
@@ -82,14 +81,6 @@ TEST(test_selection)
     const mukca_selection hold = {.regularise_tip = true};
     assert_ok(mukca_parameters_select(&p, &chain, &hold, NULL));
     for (int i = 0; i < p.n; i++) assert_int_equal(p.regularised[i], 1);
-
-    double theta[42], x[42], back[42];
-    mukca_chain_theta(theta, &chain);
-    memcpy(back, theta, sizeof theta);
-    mukca_parameters_pack(x, &p, theta);
-    for (int i = 0; i < p.n; i++) x[i] += i;
-    mukca_parameters_unpack(back, &p, x);
-    for (int i = 0; i < p.n; i++) assert_close(back[p.index[i]], theta[p.index[i]] + i, 0);
 }
 
 /* An arm with errors of that size. */
@@ -105,8 +96,8 @@ static void track(mukca_dataset *log, int rows, bool oriented, double sigma)
     mukca_geometry geometry;
     mukca_geometry_set(&geometry, &chain, truth);
     assert_ok(mukca_dataset_create(log, rows, JOINTS, 0, 0, NULL));
-    log->position = zeroed(1, 3 * (size_t)rows * sizeof *log->position);
-    if (oriented) log->quaternion = malloc(4 * (size_t)rows * sizeof *log->quaternion);
+    log->position = zeroed(3 * (size_t)rows, sizeof *log->position);
+    if (oriented) log->quaternion = zeroed(4 * (size_t)rows, sizeof *log->quaternion);
     for (int i = 0; i < rows; i++) {
         mukca_frame T;
         for (int j = 0; j < JOINTS; j++)
@@ -121,16 +112,10 @@ static void track(mukca_dataset *log, int rows, bool oriented, double sigma)
 
 static double held_out(const mukca_fit *fit, const mukca_dataset *test)
 {
-    mukca_geometry geometry;
-    double sum = 0;
-    mukca_geometry_set(&geometry, &fit->chain, fit->theta);
-    for (int i = 0; i < test->n_rows; i++) {
-        double x[3], square = 0;
-        mukca_fk_position(x, &geometry, test->q + i * JOINTS, NULL);
-        for (int a = 0; a < 3; a++) square += pow(x[a] - test->position[3 * i + a], 2);
-        sum += sqrt(square) / test->n_rows;
-    }
-    return sum;
+    mukca_score score;
+    const mukca_model model = {.chain = &fit->chain, .theta = fit->theta};
+    assert_int_equal(mukca_evaluate(&score, NULL, &model, test), 1);
+    return score.mae;
 }
 
 TEST(test_poses)

@@ -39,11 +39,9 @@ static void make_data(const double *special, int rows, int poses)
         {0, 1, 0.31, 0, 0}, {1, 2, 0.22, 0, 0}, {0, 2, 0.4, 0, 0}, {4, 3, 0.5, 0, 0}};
     assert_ok(mukca_dataset_create(&data, rows + poses, JOINTS, 5, 2, NULL));
     for (int s = 0; s < 5; s++) data.sockets[s].placement = placement[s];
-    data.distances = malloc(sizeof distances);
-    data.position = malloc((size_t)(3 * (rows + poses)) * sizeof *data.position);
-    data.quaternion = malloc((size_t)(4 * (rows + poses)) * sizeof *data.quaternion);
-    assert_true(data.distances && data.position && data.quaternion);
-    memcpy(data.distances, distances, sizeof distances);
+    data.position = zeroed((size_t)(3 * (rows + poses)), sizeof *data.position);
+    data.quaternion = zeroed((size_t)(4 * (rows + poses)), sizeof *data.quaternion);
+    data.distances = (mukca_distance *)copied(distances, sizeof distances);
     data.n_distances = 4;
     for (int i = 0; i < rows + poses; i++) {
         double length = 0;

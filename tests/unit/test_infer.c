@@ -76,180 +76,108 @@ static void lay_out(layout *l)
     l->samples = (mukca_samples){SAMPLES, BLOCKS, DIM, l->block, l->next, l->readings};
 }
 
-/* Of the mean of a posture's readings. */
-static real variance_of_mean(const layout *l, int b, int posture, real shared)
+/* Covariance of two rows under shapes L of means and M of deviations, of AR(1) of samples or
+ * postures. */
+static real covariance(const layout *l, mukca_noise_family family, double (*L)[DIM][DIM],
+                       double (*M)[DIM][DIM], int row, int column)
 {
-    int m = 0;
-    for (int i = l->block[b].start; i < l->block[b].start + l->block[b].count; i++)
-        m += l->posture[i] == posture;
-    return shared + (1 - shared) / m;
-}
-
-/* Inverse covariance of a block [count][count], and 1'V^-1 1; returns log |V|. */
-static real dense_block(real *inverse, real *total, const layout *l, int b,
-                        mukca_noise_family family, const double *weight)
-{
-    const mukca_block *block = &l->block[b];
-    const int n = block->count;
-    real V[SAMPLES * SAMPLES];
-    for (int i = 0; i < n; i++)
-        for (int k = 0; k < n; k++) {
-            const int a = block->start + i, c = block->start + k;
-            real v = a == c ? 1 : l->posture[a] == l->posture[c] ? (real)family.shared : 0;
-            if (family.shared == 0 && family.rho != 0) v = powl(family.rho, abs(a - c));
-            if (family.shared > 0 && l->posture[a] != l->posture[c])
-                v = powl(family.rho, abs(l->posture[a] - l->posture[c])) *
-                    sqrtl(variance_of_mean(l, b, l->posture[a], family.shared) *
-                          variance_of_mean(l, b, l->posture[c], family.shared));
-            V[i * n + k] = v / (weight ? (real)weight[a] * weight[c] : 1);
-        }
-    const real log_det = factor(V, n);
-    *total = 0;
-    for (int i = 0; i < n; i++)
-        for (int k = 0; k < n; k++) {
-            double x[SAMPLES] = {0}, y[SAMPLES] = {0};
-            x[i] = y[k] = 1;
-            *total += inverse[i * n + k] = product(V, x, y, n);
-        }
-    return log_det;
-}
-
-/* V^-1, without the components along free means, and the factors for the means. */
-static void check_block(const layout *l, int b, const mukca_whitening *w, const double *weight,
-                        double (*A)[COLUMNS], const double *mean, real *log_det)
-{
-    const mukca_block *block = &l->block[b];
-    const int n = block->count;
-    real inverse[SAMPLES * SAMPLES], row[SAMPLES] = {0}, total;
-    *log_det += dense_block(inverse, &total, l, b, w->family, weight);
-    for (int i = 0; i < n; i++)
-        for (int k = 0; k < n; k++) row[i] += inverse[i * n + k];
-    for (int i = 0; i < n; i++)
-        for (int k = 0; k < n; k++) {
-            real expected = inverse[i * n + k], sum = 0;
-            if (block->free_mean) expected -= row[i] * row[k] / total;
-            for (int s = 0; s < COLUMNS; s++)
-                sum += (real)A[s][(block->start + i) * DIM] * A[s][(block->start + k) * DIM];
-            assert_close((double)sum, (double)expected, 1e-10 * (double)(1 + fabsl(inverse[0])));
-        }
-    if (!block->free_mean) return;
-    *log_det += logl(total);
-    for (int i = 0; i < n; i++)
-        assert_close(mean[b * DIM * COLUMNS + (block->start + i) * DIM], (double)(row[i] / total),
-                     1e-10);
-}
-
-static void check_family(mukca_noise_family family, const double *weight)
-{
-    static double unit[COLUMNS][COLUMNS], A[COLUMNS][COLUMNS];
-    double mean[BLOCKS * DIM * COLUMNS] = {0}, x[COLUMNS], y[COLUMNS], white[COLUMNS],
-                               other[COLUMNS], turned[COLUMNS], direct = 0, adjoint = 0;
-    layout l;
-    mukca_pool pool = {0};
-    mukca_whitening w;
-    real log_det = 0;
-    uint64_t seed = 5;
-    lay_out(&l);
-    assert_true(mukca_whitening_create(&w, &pool, SAMPLES, BLOCKS, DIM));
-    mukca_whitening_set(&w, &l.samples, family, (mukca_noise_shape){NULL, NULL}, weight);
-    for (int i = 0; i < COLUMNS; i++) unit[i][i] = 1;
-    mukca_whitening_apply(&(mukca_whitened){COLUMNS, COLUMNS, unit[0], A[0], mean}, &w, &l.samples);
-    for (int b = 0; b < BLOCKS; b++) check_block(&l, b, &w, weight, A, mean, &log_det);
-    for (int i = 0; i < COLUMNS; i++)
-        for (int k = i % DIM ? 0 : 1; k < COLUMNS; k += DIM) /* coordinates are independent */
-            assert_true(A[i][k] == 0);
-    assert_int_equal(w.dof, DIM * (SAMPLES - 2));
-    if (!weight) assert_close(w.log_det, (double)(-0.5L * DIM * log_det), 1e-9);
-
-    for (int i = 0; i < COLUMNS; i++) x[i] = draw(&seed), y[i] = draw(&seed);
-    mukca_whitening_apply(&(mukca_whitened){1, 1, x, white, NULL}, &w, &l.samples);
-    mukca_whitening_apply(&(mukca_whitened){1, 1, y, other, NULL}, &w, &l.samples);
-    mukca_whitening_transpose(turned, other, 1, 1, &w, &l.samples);
-    for (int i = 0; i < COLUMNS; i++) direct += white[i] * other[i], adjoint += x[i] * turned[i];
-    assert_close(adjoint, direct, 1e-10 * (1 + fabs(direct)));
-    mukca_pool_free(&pool);
-}
-
-/* Covariance of the samples of one block under shapes L of means and M of deviations, of AR(1) of
- * samples or postures. */
-static real shaped(const layout *l, mukca_noise_family family, double (*L)[DIM][DIM],
-                   double (*M)[DIM][DIM], int b, int i, int k, int c, int e)
-{
-    const int p = l->posture[i], q = l->posture[k], start = l->block[b].start;
+    const int i = row / DIM, k = column / DIM, c = row % DIM, e = column % DIM;
+    const int p = l->posture[i], q = l->posture[k], start = l->block[p / 100].start;
+    const bool shares = family.shared > 0;
+    const int a = shares ? start + p % 100 : i, b = shares ? start + q % 100 : k; /* the first */
+    const real apart = 1 - (real)family.shared;
     real sum = 0, own = 0;
-    if (family.shared > 0) i = start + p % 100, k = start + q % 100; /* the first readings */
+    if (p / 100 != q / 100) return 0;
     for (int t = 0; t < DIM; t++) {
-        sum += (real)L[i][c][t] * L[k][e][t];
-        own += (real)M[i][c][t] * M[k][e][t];
+        sum += (real)L[a][c][t] * L[b][e][t];
+        own += (real)M[a][c][t] * M[b][e][t];
     }
-    if (family.shared == 0) return sum * powl(family.rho, abs(i - k));
-    sum *= powl(family.rho, abs(p - q)) * sqrtl(variance_of_mean(l, b, p, family.shared) *
-                                                variance_of_mean(l, b, q, family.shared));
-    return sum + (p == q ? -own * (1 - (real)family.shared) / l->readings[i] : 0);
+    if (!shares) return sum * powl(family.rho, abs(i - k));
+    sum *= powl(family.rho, abs(p - q)) *
+           sqrtl((1 - apart + apart / l->readings[a]) * (1 - apart + apart / l->readings[b]));
+    return p == q ? sum + own * apart * ((i == k) - 1.0L / l->readings[a]) : sum;
 }
 
-/* Coordinates that correlate: the whitened covariance is 1, its log determinant and the adjoint
- * are right, and the free means are those of dense least squares. */
-static void check_shape(mukca_noise_family family)
+/* The factor A of V^-1, its transpose and its log determinant; with free means also these, and what
+ * they leave: that of dense generalised least squares. */
+static void check_family(mukca_noise_family family, bool shaped, const double *weight)
 {
-    static double unit[COLUMNS][COLUMNS], A[COLUMNS][COLUMNS];
-    static real V[COLUMNS][COLUMNS], AV[COLUMNS][COLUMNS];
-    double L[SAMPLES][DIM][DIM] = {{{0}}}, M[SAMPLES][DIM][DIM] = {{{0}}}, turned[COLUMNS],
-           x[COLUMNS], mean[BLOCKS * DIM] = {0};
+    static double unit[COLUMNS][COLUMNS], A[COLUMNS][COLUMNS], F[COLUMNS][COLUMNS],
+        T[COLUMNS][COLUMNS], mean[BLOCKS * DIM][COLUMNS], left[COLUMNS][COLUMNS];
+    static real V[COLUMNS * COLUMNS], inverse[COLUMNS][COLUMNS];
+    double L[SAMPLES][DIM][DIM] = {{{0}}}, M[SAMPLES][DIM][DIM] = {{{0}}};
     layout l;
     mukca_pool pool = {0};
     mukca_whitening w;
     uint64_t seed = 3;
     lay_out(&l);
-    memset(V, 0, sizeof V);
-    memset(AV, 0, sizeof AV);
-    for (int i = 0; i < SAMPLES; i++) {
-        L[i][0][0] = 1 + 0.5 * draw(&seed), L[i][1][0] = draw(&seed), L[i][1][1] = 0.6;
-        M[i][0][0] = 0.7, M[i][1][0] = draw(&seed), M[i][1][1] = 1 + 0.5 * draw(&seed);
-    }
-    for (int b = 0; b < BLOCKS; b++)
-        for (int i = l.block[b].start, end = i + l.block[b].count; i < end; i++)
-            for (int k = l.block[b].start; k < end; k++)
-                for (int c = 0; c < DIM; c++)
-                    for (int e = 0; e < DIM; e++)
-                        V[i * DIM + c][k * DIM + e] = shaped(&l, family, L, M, b, i, k, c, e);
-    for (int i = 0; i < SAMPLES && family.shared > 0; i++) /* own errors of each reading */
-        for (int c = 0; c < DIM; c++)
-            for (int e = 0; e < DIM; e++) {
-                const int b = l.posture[i] / 100, first = l.block[b].start + l.posture[i] % 100;
-                for (int t = 0; t < DIM; t++)
-                    V[i * DIM + c][i * DIM + e] +=
-                        (1 - (real)family.shared) * M[first][c][t] * M[first][e][t];
-            }
-    for (int i = 0; i < COLUMNS; i++) unit[i][i] = 1, x[i] = draw(&seed);
-    assert_true(mukca_whitening_create(&w, &pool, SAMPLES, BLOCKS, DIM));
-    for (int b = 0; b < BLOCKS; b++) l.block[b].free_mean = false;
-    const mukca_noise_shape shape = {L[0][0], M[0][0]};
-    mukca_whitening_set(&w, &l.samples, family, shape, NULL);
-    mukca_whitening_apply(&(mukca_whitened){COLUMNS, COLUMNS, unit[0], A[0], NULL}, &w, &l.samples);
+    for (int i = 0; i < SAMPLES; i++)
+        for (int c = 0; c < DIM; c++) {
+            for (int e = 0; e < c && shaped; e++)
+                L[i][c][e] = draw(&seed), M[i][c][e] = draw(&seed);
+            L[i][c][c] = shaped ? 1 + 0.5 * draw(&seed) : 1;
+            M[i][c][c] = shaped ? 1 + 0.5 * draw(&seed) : 1;
+        }
+    const mukca_noise_shape shape = {shaped ? L[0][0] : NULL, shaped ? M[0][0] : NULL};
     for (int i = 0; i < COLUMNS; i++)
-        for (int k = 0; k < COLUMNS; k++)
-            for (int t = 0; t < COLUMNS; t++) AV[i][k] += A[i][t] * V[t][k];
+        for (int k = 0; k < COLUMNS; k++) {
+            unit[i][k] = i == k;
+            V[i * COLUMNS + k] = covariance(&l, family, L, M, i, k);
+            if (weight) V[i * COLUMNS + k] /= (real)weight[i / DIM] * weight[k / DIM];
+        }
+    real log_det = factor(V, COLUMNS);
+    for (int i = 0; i < COLUMNS; i++)
+        for (int k = 0; k <= i; k++)
+            inverse[i][k] = inverse[k][i] = product(V, unit[i], unit[k], COLUMNS);
+
+    for (int b = 0; b < BLOCKS; b++) l.block[b].free_mean = false;
+    assert_true(mukca_whitening_create(&w, &pool, SAMPLES, BLOCKS, DIM));
+    mukca_whitening_set(&w, &l.samples, family, shape, weight);
+    mukca_whitening_apply(&(mukca_whitened){COLUMNS, COLUMNS, unit[0], A[0], NULL}, &w, &l.samples);
+    mukca_whitening_transpose(T[0], unit[0], COLUMNS, COLUMNS, &w, &l.samples);
+    if (!weight) assert_close(w.log_det, (double)(-log_det / 2), 1e-9);
     for (int i = 0; i < COLUMNS; i++)
         for (int k = 0; k < COLUMNS; k++) {
             real sum = 0;
-            for (int t = 0; t < COLUMNS; t++) sum += AV[i][t] * A[k][t];
-            assert_close((double)sum, i == k, 1e-10);
+            for (int t = 0; t < COLUMNS; t++) sum += (real)A[t][i] * A[t][k];
+            assert_close((double)sum, (double)inverse[i][k], 1e-10 * (double)(1 + fabsl(sum)));
+            assert_close(T[i][k], A[k][i], 1e-12 * (1 + fabs(A[k][i])));
         }
-    assert_close(w.log_det, (double)(-0.5L * factor(V[0], COLUMNS)), 1e-9);
-    for (int i = 0; i < COLUMNS; i++) turned[i] = 0;
-    mukca_whitening_transpose(turned, unit[5], 1, 1, &w, &l.samples);
-    for (int i = 0; i < COLUMNS; i++) assert_close(turned[i], A[5][i], 1e-12);
 
-    lay_out(&l); /* with free means: what is left has none */
-    mukca_whitening_set(&w, &l.samples, family, shape, NULL);
-    mukca_whitening_apply(&(mukca_whitened){1, 1, x, turned, mean}, &w, &l.samples);
+    lay_out(&l);
+    mukca_whitening_set(&w, &l.samples, family, shape, weight);
+    mukca_whitening_apply(&(mukca_whitened){COLUMNS, COLUMNS, unit[0], F[0], mean[0]}, &w,
+                          &l.samples);
+    mukca_whitening_transpose(T[0], F[0], COLUMNS, COLUMNS, &w, &l.samples);
+    memcpy(left, unit, sizeof left);
+    for (int b = 0; b < BLOCKS; b++) {
+        const int first = l.block[b].start * DIM, end = first + l.block[b].count * DIM;
+        real H[DIM * DIM] = {0};
+        double X[COLUMNS][DIM] = {{0}}; /* V^-1 times columns of ones */
+        if (!l.block[b].free_mean) continue;
+        for (int k = 0; k < COLUMNS; k++)
+            for (int i = first; i < end; i++) X[k][i % DIM] += (double)inverse[k][i];
+        for (int i = first; i < end; i++)
+            for (int c = 0; c < DIM; c++) H[i % DIM * DIM + c] += X[i][c];
+        log_det += factor(H, DIM);
+        for (int k = 0; k < COLUMNS; k++)
+            for (int c = 0; c < DIM; c++)
+                assert_close(mean[b * DIM + c][k], (double)product(H, unit[c], X[k], DIM), 1e-10);
+        for (int i = first; i < end; i++)
+            for (int k = 0; k < COLUMNS; k++) left[i][k] -= mean[b * DIM + i % DIM][k];
+    }
     assert_int_equal(w.dof, DIM * (SAMPLES - 2));
-    for (int i = 0; i < COLUMNS; i++) x[i] -= mean[(l.posture[i / DIM] / 100) * DIM + i % DIM];
-    double left[COLUMNS], again[BLOCKS * DIM] = {0};
-    mukca_whitening_apply(&(mukca_whitened){1, 1, x, left, again}, &w, &l.samples);
-    for (int i = 0; i < BLOCKS * DIM; i++) assert_close(again[i], 0, 1e-10);
-    for (int i = 0; i < COLUMNS; i++) assert_close(left[i], turned[i], 1e-10);
+    if (!weight) assert_close(w.log_det, (double)(-log_det / 2), 1e-9);
+    for (int i = 0; i < COLUMNS; i++)
+        for (int k = 0; k < COLUMNS; k++) {
+            real white = 0, back = 0;
+            for (int t = 0; t < COLUMNS; t++) {
+                white += (real)A[i][t] * left[t][k];
+                back += inverse[i][t] * left[t][k];
+            }
+            assert_close(F[i][k], (double)white, 1e-10 * (double)(1 + fabsl(white)));
+            assert_close(T[i][k], (double)back, 1e-9 * (double)(1 + fabsl(back)));
+        }
     mukca_pool_free(&pool);
 }
 
@@ -324,22 +252,16 @@ TEST(groups)
     mukca_pool_free(&pool);
 }
 
-TEST(whitening_with_shape)
-{
-    check_shape((mukca_noise_family){0, 0});
-    check_shape((mukca_noise_family){0.5, 0});
-    check_shape((mukca_noise_family){0.5, 0.7});
-}
-
 TEST(whitening)
 {
     static const mukca_noise_family families[] = {{0, 0},    {0.25, 0},  {0.75, 0},   {0, 0.5},
                                                   {0, 0.75}, {0, 0.999}, {0.5, 0.75}, {0.75, 0.3}};
     double weight[SAMPLES];
     uint64_t seed = 9;
-    for (size_t f = 0; f < sizeof families / sizeof *families; f++) check_family(families[f], NULL);
+    for (size_t f = 0; f < sizeof families / sizeof *families; f++)
+        for (int shaped = 0; shaped < 2; shaped++) check_family(families[f], shaped, NULL);
     for (int i = 0; i < SAMPLES; i++) weight[i] = 0.6 + 0.4 * draw(&seed);
-    check_family(families[0], weight); /* robust weights imply independent samples */
+    check_family(families[0], false, weight); /* robust weights imply independent samples */
 }
 
 /* ---- evidence and sets ---- */

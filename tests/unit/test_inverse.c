@@ -37,7 +37,7 @@ TEST(test_positions_and_poses)
         for (int k = 0; k < 9 && pose; k++) off += pow(reached.R[k] - target.R[k], 2);
         for (int j = 0; j < 7; j++) assert_true(q[j] >= -2.5 && q[j] <= 2.5);
         /* what it says is what forward kinematics finds */
-        if (r.reached) assert_false(!(sqrt(off) <= 1e-8));
+        if (r.reached) assert_true(sqrt(off) <= 1e-8);
         if (!r.reached) assert_true(sqrt(off) > 1e-9);
         if (pose)
             poses += r.reached;
@@ -73,7 +73,7 @@ TEST(test_effects)
     assert_true(mukca_inverse_solve(q, &chain, &geometry, &target, true, &options).reached);
     q[1] += factor * sin(q[1]);
     mukca_fk_position(position, &geometry, q, NULL);
-    for (int k = 0; k < 3; k++) assert_false(!(fabs(position[k] - target.p[k]) <= 2e-9));
+    for (int k = 0; k < 3; k++) assert_close(position[k], target.p[k], 2e-9);
 }
 
 TEST_MAIN(setup, NULL)

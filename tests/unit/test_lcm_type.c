@@ -381,12 +381,8 @@ TEST(own_messages_are_those_of_data_lcm)
 #define FINGERPRINT(channel, name, fingerprint) fingerprint,
         MUKCA_MESSAGE_LIST(FINGERPRINT)};
     static union {
-        mukca_message_trigger trigger;
-        mukca_message_command command;
-        mukca_message_status status;
-        mukca_message_sample sample;
-        mukca_message_result result;
-        mukca_message_pose pose;
+#define MEMBER(channel, name, fingerprint) mukca_message_##name name;
+        MUKCA_MESSAGE_LIST(MEMBER)
     } zero;
     more = types;
     for (int k = 0; k < MUKCA_MESSAGES; k++) {

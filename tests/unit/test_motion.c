@@ -101,9 +101,9 @@ static void expect_one(const char *effect, int joint, double value, double most)
     assert_int_equal(f->group.apart, joint < 0);
     if (joint >= 0) assert_int_equal(f->group.from, joint);
     if (joint >= 0) assert_int_equal(f->group.to, joint);
-    assert_true(fabs(f->coefficient.value - value) <= most);
+    assert_close(f->coefficient.value, value, most);
     /* the interval of 95 %, widened to one of 99.99 % */
-    assert_true(fabs(f->coefficient.value - value) <= f->coefficient.high - f->coefficient.low);
+    assert_close(f->coefficient.value, value, f->coefficient.high - f->coefficient.low);
     assert_true(f->before_nm > f->after_nm);
 }
 
@@ -170,7 +170,7 @@ TEST(test_friction_is_found_beside_that_of_a_coupled_wrist)
                 value = f->alternative[k].amplitude.value;
     }
     assert_true(coupled);
-    assert_true(fabs(value - 0.7) <= 0.1);
+    assert_close(value, 0.7, 0.1);
 }
 
 TEST(test_against_a_reference_only_changes_count)

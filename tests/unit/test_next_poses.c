@@ -2,7 +2,6 @@
 #include "diagnose/next_poses.h"
 
 #include "arms.h"
-#include "cli/diagnose.h"
 #include "scene.h"
 
 typedef struct {
@@ -57,7 +56,7 @@ TEST(poses_reach_their_sockets_and_tell)
     assert_int_equal(t->next.finding, 0);
     assert_int_equal(t->next.pair[1], 1);
     assert_int_equal(t->next.plan.n_rows, MUKCA_NEXT_POSES);
-    assert_true(t->next.plan.evidence_after > t->next.plan.evidence_before);
+    assert_true(t->next.plan.evidence_after > 2 * t->next.plan.evidence_before);
     for (int i = 0; i < t->next.plan.n_rows; i++) {
         const mukca_plan_row *row = &t->next.plan.rows[i];
         const mukca_plan_socket *socket = &t->next.sockets[row->socket];
@@ -69,21 +68,6 @@ TEST(poses_reach_their_sockets_and_tell)
             assert_true(row->q[j] >= e->lower && row->q[j] <= e->upper);
         }
     }
-    const mukca_diagnosed result = {
-        .diagnosis = &t->diagnosis, .chain = &t->s.chain, .data = &t->data, .next = &t->next};
-    json_t *root = cli_diagnosis_json(&result), *poses = json_object_get(root, "next_poses");
-    assert_int_equal(json_array_size(json_object_get(root, "joints")), t->s.chain.n_joints);
-    assert_int_equal(json_array_size(poses), MUKCA_NEXT_POSES);
-    for (int i = 0; i < MUKCA_NEXT_POSES; i++) {
-        json_t *pose = json_array_get(poses, (size_t)i), *q = json_object_get(pose, "q");
-        const mukca_plan_row *row = &t->next.plan.rows[i];
-        assert_int_equal(json_array_size(q), t->s.chain.n_joints);
-        assert_true(json_number_value(json_array_get(q, 3)) == row->q[3]);
-        assert_string_equal(json_string_value(json_object_get(pose, "placement")),
-                            t->next.sockets[row->socket].placement);
-        assert_int_equal(json_array_size(json_object_get(pose, "tells_apart")), 2);
-    }
-    json_decref(root);
     mukca_plan_free(&t->next.plan);
     mukca_dataset_free(&t->data);
 }

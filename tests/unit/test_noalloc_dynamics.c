@@ -1,5 +1,5 @@
-/* Torques of moving arms: against Pinocchio and MuJoCo, regressor against recursion, power against
- * kinetic energy, gravity against the static load; without allocation. */
+/* Torques of moving arms: against Pinocchio and MuJoCo, regressor against recursion, gravity
+ * against the static load; without allocation. */
 #include "arms.h"
 #include "close.h"
 #include "dynamics/inverse_dynamics.h"
@@ -76,44 +76,6 @@ TEST(the_regressor_times_the_parameters_is_the_torque)
                 assert_true(Y[j * P + i] == 0); /* links before the joint */
             assert_close(sum, torque[j], 1e-9);
         }
-    }
-}
-
-static double kinetic_energy(void)
-{
-    const double rest[N] = {0};
-    double M[N * N], unit[N] = {0}, sum = 0;
-    for (int j = 0; j < N; j++) { /* without gravity: a unit of acceleration at rest */
-        unit[j] = 1;
-        mukca_dynamics_torque(M + N * j, &dynamics, p, q, rest, unit);
-        unit[j] = 0;
-    }
-    for (int i = 0; i < N; i++)
-        for (int j = 0; j < N; j++) {
-            assert_close(M[N * i + j], M[N * j + i], 1e-12);
-            sum += 0.5 * dq[i] * M[N * i + j] * dq[j];
-        }
-    assert_true(sum > 0);
-    return sum;
-}
-
-TEST(power_changes_the_kinetic_energy)
-{
-    const double h = 1e-5;
-    memset(dynamics.gravity, 0, sizeof dynamics.gravity);
-    for (int trial = 0; trial < 20; trial++) {
-        double torque[N], energy[2], power = 0;
-        draw_motion();
-        mukca_dynamics_torque(torque, &dynamics, p, q, dq, ddq);
-        for (int j = 0; j < N; j++) power += torque[j] * dq[j];
-        for (int side = 0; side < 2; side++) { /* half a step before, half a step after */
-            for (int j = 0; j < N; j++) {
-                q[j] += (side ? h : -0.5 * h) * dq[j];
-                dq[j] += (side ? h : -0.5 * h) * ddq[j];
-            }
-            energy[side] = kinetic_energy();
-        }
-        assert_close((energy[1] - energy[0]) / h, power, 1e-4 * (1 + fabs(power)));
     }
 }
 

@@ -4,6 +4,7 @@
 
 #include "cli/cli.h"
 #include "io/urdf.h"
+#include "lcm/packet.h"
 #include "noalloc.h"
 #include "scratch.h"
 
@@ -29,11 +30,6 @@ static void write_model(void)
     scratch_file("state.tsv", "model\tx.offsets.tsv\nmodel_stream\traw\n");
 }
 
-static void put(unsigned char *bytes, size_t *at, uint64_t value, int size)
-{
-    while (size--) bytes[(*at)++] = (unsigned char)(value >> 8 * size);
-}
-
 /* n joint states of an iiwa at 1 kHz. */
 static void write_log(int n)
 {
@@ -42,16 +38,15 @@ static void write_log(int n)
     assert_non_null(log);
     for (int i = 0; i < n; i++) {
         unsigned char bytes[20 + 56 * 7];
-        size_t at = 0;
         uint64_t time = 1700000000000000 + 1000 * (uint64_t)i;
-        put(bytes, &at, 0xf16fb804284abca3 /* drake.lcmt_iiwa_status */, 8);
-        put(bytes, &at, time, 8);
-        put(bytes, &at, 7, 4);
+        mukca_lcm_wire_put(bytes, 0xf16fb804284abca3 /* drake.lcmt_iiwa_status */, 8);
+        mukca_lcm_wire_put(bytes + 8, time, 8);
+        mukca_lcm_wire_put(bytes + 16, 7, 4);
         for (int k = 0; k < 49; k++) {
             double q = 0.01 * k + 1e-4 * i;
             uint64_t bits;
             memcpy(&bits, &q, sizeof bits);
-            put(bytes, &at, bits, 8);
+            mukca_lcm_wire_put(bytes + 20 + 8 * k, bits, 8);
         }
         lcm_eventlog_event_t event = {.timestamp = (int64_t)time,
                                       .channellen = (int32_t)strlen(channel),

@@ -2,6 +2,7 @@
 #include "io/offsets.h"
 
 #include "arm/tip_change.h"
+#include "arms.h"
 #include "mukca/corrected.h"
 
 #include "odd_urdf.h"
@@ -10,8 +11,7 @@ static mukca_offsets offsets, back;
 
 static int setup(void **state)
 {
-    if (scratch_setup(state)) return 1;
-    if (mukca_urdf_load(&chain, urdf_path(), NULL, &error)) return 1;
+    if (scratch_setup(state) || mukca_urdf_load(&chain, urdf_path(), NULL, &error)) return 1;
     mukca_random random = mukca_random_seeded(3);
     mukca_offsets_init(&offsets, &chain);
     for (int i = 0; i < 18; i++) {
@@ -37,7 +37,6 @@ static void add_effect(mukca_effect_kind kind, int joint, int placement, const c
 
 static void add_effects(void)
 {
-    offsets.n_effects = 0;
     add_effect(MUKCA_EFFECT_JOINT_COMPLIANCE, 1, -1, NULL);
     add_effect(MUKCA_EFFECT_BASE_COMPLIANCE, -1, -1, NULL);
     add_effect(MUKCA_EFFECT_GEAR_HARMONIC, 0, -1, "240");
@@ -114,22 +113,9 @@ TEST(tables_come_back_to_the_last_bit)
     assert_int_equal(placed[8].placement, -1);
 }
 
-static mukca_acceptance good_verdict(void)
-{
-    mukca_acceptance a;
-    mukca_acceptance_init(&a);
-    a.given = a.accepted = a.converged = true;
-    a.error_nominal_m = 5e-3;
-    a.error_m = 2e-4;
-    a.tip_change_m = 0.01;
-    return a;
-}
-
 TEST(controllers_get_no_failed_table)
 {
-    mukca_corrected *model = calloc(1, sizeof *model);
-    offsets.n_effects = 0;
-    mukca_acceptance_init(&offsets.acceptance);
+    mukca_corrected *model = zeroed(1, sizeof *model);
     const char *path = write_table();
     assert_ok(mukca_corrected_load(model, path, &error)); /* an older table */
     assert_false(model->judged);
@@ -149,9 +135,11 @@ TEST(controllers_get_no_failed_table)
  */
 TEST(edited_tables_are_refused)
 {
-    mukca_corrected *model = calloc(1, sizeof *model);
+    mukca_corrected *model = zeroed(1, sizeof *model);
     add_effects();
-    offsets.acceptance = good_verdict();
+    mukca_acceptance *verdict = &offsets.acceptance;
+    verdict->given = verdict->accepted = verdict->converged = true;
+    verdict->error_nominal_m = 5e-3, verdict->error_m = 2e-4;
     char *text = scratch_read(write_table());
     const size_t size = strlen(text);
     assert_ok(mukca_corrected_parse(model, text, size, &error));
@@ -177,47 +165,37 @@ TEST(edited_tables_are_refused)
 TEST(the_tip_change_is_measured)
 {
     static mukca_offsets turned;
-    mukca_chain arm = {.n_elements = 2, .n_joints = 1};
-    arm.element[0] = (mukca_element){
-        .name = "a", .type = MUKCA_REVOLUTE, .axis = {0, 0, 1}, .lower = -1, .upper = 1};
-    arm.element[1] =
-        (mukca_element){.name = "tool", .type = MUKCA_FIXED, .joint = -1, .xyz = {0.5, 0, 0.2}};
+    static const double one[2][6] = {{0}, {0.5, 0, 0.2}}, two[3][6] = {{0}, {10}, {0.5, 0, 0.2}};
+    mukca_chain arm, longer;
+    mukca_tip_change change;
+    make_chain(&arm, "RF", one, "a", 1);
     mukca_offsets_init(&turned, &arm);
     turned.theta[5] = 10e-3;
     turned.listed[5] = 1;
-    mukca_tip_change change;
     const mukca_tip_change_task task = {.chain = &arm, .to = &turned};
     assert_ok(mukca_tip_change_find(&change, &task, NULL));
-    assert_true(fabs(change.m - 2 * 0.5 * sin(5e-3)) < 1e-12);
-    assert_true(fabs(change.size) < 1e-12); /* a zero turns the workspace */
+    assert_close(change.m, 2 * 0.5 * sin(5e-3), 1e-12);
+    assert_close(change.size, 0, 1e-12); /* a zero turns the workspace */
     const mukca_tip_change_task back_task = {.chain = &arm, .from = &turned, .to = &turned};
     assert_ok(mukca_tip_change_find(&change, &back_task, NULL));
     assert_true(change.m < 1e-15);
+    assert_ok(mukca_tip_change_judge(&turned, &task, NULL));
+    assert_true(turned.acceptance.largest_offset_rad == 10e-3);
+    assert_true(turned.acceptance.largest_offset_m == 0);
     turned.theta[MUKCA_PARAMETERS] = 0.505;
     assert_ok(mukca_tip_change_find(&change, &task, NULL));
-    assert_true(fabs(change.size) < 1e-12); /* nor does a tool change the arm */
-    mukca_chain longer = arm;
-    longer.n_elements = 3, longer.n_joints = 2;
-    longer.joint_element[1] = 1;
-    longer.element[2] = arm.element[1], longer.element[1] = arm.element[0];
-    longer.element[1].joint = 1, longer.element[1].xyz[0] = 10;
+    assert_close(change.size, 0, 1e-12); /* nor does a tool change the arm */
+    make_chain(&longer, "RRF", two, "a", 1);
     mukca_offsets_init(&turned, &longer);
     turned.theta[MUKCA_PARAMETERS] = 10.1;
     const mukca_tip_change_task longer_task = {.chain = &longer, .to = &turned};
     assert_ok(mukca_tip_change_find(&change, &longer_task, NULL));
-    assert_true(fabs(change.size - 0.01) < 1e-3);
-    mukca_offsets_init(&turned, &arm);
-    turned.theta[5] = 10e-3;
-    turned.listed[5] = 1;
-    assert_ok(mukca_tip_change_judge(&turned, &task, NULL));
-    assert_true(turned.acceptance.largest_offset_rad == 10e-3);
-    assert_true(turned.acceptance.largest_offset_m == 0);
+    assert_close(change.size, 0.01, 1e-3);
 }
 
 TEST(tables_tell_where_they_come_from)
 {
     setenv("SOURCE_DATE_EPOCH", "86400", 1);
-    offsets.n_effects = 0;
     char *text = scratch_read(write_table());
     unsetenv("SOURCE_DATE_EPOCH");
     static const char *const parts[] = {
@@ -253,7 +231,6 @@ TEST(another_arms_table_is_refused)
     const double was = chain.element[0].xyz[0];
     chain.element[0].xyz[0] = 5;
     assert_ok(read_table(path, true));
-    chain.element[0].xyz[0] = was;
     assert_close(back.theta[0], 5 + offsets.theta[0] - was, 1e-15);
     assert_true(back.theta[1] == offsets.theta[1]);
 }
@@ -291,4 +268,4 @@ TEST(broken_tables_get_one_clear_line)
     assert_refused(read_table(scratch_file("b.tsv", text), false), "no column 'nominal'");
 }
 
-TEST_MAIN(setup, scratch_teardown)
+TEST_EACH(setup, scratch_teardown)

@@ -88,8 +88,6 @@ TEST(test_standard_errors)
         noise += fit.identification.noise / SEEDS;
         mukca_dataset_free(&data);
     }
-    print_message("mean z^2 %.4f over %d parameters, noise %.4g\n", total / parameters, parameters,
-                  noise);
     assert_close(total / parameters, 1, 0.05);
     assert_close(noise, sigma, 0.01 * sigma);
     for (int i = 0; i < parameters; i++)

@@ -564,7 +564,7 @@ TEST(models_are_averaged)
     const int n = mukca_unknowns_column(u, 2);
     u->model[FIRST] = 1, u->model[SECOND] = 2, u->model[BOTH] = 3;
     for (int k = 0; k < 3; k++) {
-        mean[k] = calloc((size_t)n, sizeof(double));
+        mean[k] = zeroed((size_t)n, sizeof(double));
         assert_true(mukca_regression_solve(m, normal, k));
         memcpy(mean[k], m->evidence.mean, sizeof(double) * (size_t)n);
     }

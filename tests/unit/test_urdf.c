@@ -143,18 +143,6 @@ TEST(any_two_links_make_a_chain)
     assert_string_equal(chain.tip, "grip");
 }
 
-TEST(sha256_is_the_files)
-{
-    /* sha256sum of this very text */
-    assert_ok(
-        load("<robot name='x'><link name='a'/><link name='b'/>"
-             "<joint name='j' type='continuous'><parent link='a'/><child link='b'/>"
-             "</joint></robot>",
-             NULL));
-    assert_string_equal(chain.urdf_sha256,
-                        "76e4a9aab1d412a8953aa7b8f946b19c35978dc063dee071541c60360a52b5df");
-}
-
 #define TWO(inside) \
     "<robot name='r'>\n<link name='a'/><link name='b'/><link name='c'/>\n" inside "</robot>"
 #define LONG "xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx"

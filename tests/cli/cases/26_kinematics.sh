@@ -4,11 +4,6 @@
 ur='--urdf ur5e.urdf --kinematics factory.yaml'
 awk 'BEGIN { for (i = 1; i <= 12; i++) for (j = 1; j <= 6; j++)
     printf "%.6f%s", 2.5 * sin(1.7 * i * j + j), j < 6 ? "," : "\n" }' >rows.csv
-same() { # FILE FILE METRES: the positions of two tables
-    paste "$1" "$2" | awk -v most="$3" '
-        NR > 1 { for (i = 1; i <= 3; i++) { d = $i - $(i + NF / 2); if (!(d * d <= most * most)) exit 1 } }
-        END { if (NR != 13) exit 1 }'
-}
 
 # the factory file takes the place of the URDF's origins
 "$MUKCA" fk --urdf ur5e.urdf rows.csv >nominal.tsv
@@ -16,11 +11,10 @@ same() { # FILE FILE METRES: the positions of two tables
 expect "a factory file changes the arm" sh -c '! cmp -s nominal.tsv factory.tsv'
 "$MUKCA" export $ur -o factory.urdf
 "$MUKCA" fk --urdf factory.urdf rows.csv >as_urdf.tsv
-expect "a factory file can be exported as a URDF" cmp factory.tsv as_urdf.tsv
+expect "a factory file can be exported as a URDF" equal factory.tsv as_urdf.tsv
 
 # arms of one model have factory files of their own: their fleet is that of the URDF
-sed 's/0.1625/0.1627/' factory.yaml >sister.yaml
-cmp -s factory.yaml sister.yaml && sed 's/z: 0.1/z: 0.1001/' factory.yaml >sister.yaml
+sed 's/z: 0.1/z: 0.1001/' factory.yaml >sister.yaml
 for arm in factory sister; do
     "$MUKCA" simulate -q --urdf ur5e.urdf --kinematics $arm.yaml --placements 3 --rows 12 --seed 3 --noise 5e-5 \
         --perturb 0.1,0.2 -o $arm.session.tsv
@@ -39,12 +33,10 @@ expect "evaluate has the factory's errors: calibrated < factory < nominal" awk -
     NR > 1 { if (!($at["mae_m"] < $at["mae_factory_m"] && $at["mae_factory_m"] < $at["mae_nominal_m"])) exit 1 }
     END { if (NR != 4) exit 1 }' scores.tsv
 for tip in '' '--tip wrist_3_link'; do
-    # shellcheck disable=SC2086
     "$MUKCA" export -q $ur --offsets table.tsv $tip -f kinematics -o own.yaml --force
-    # shellcheck disable=SC2086
     "$MUKCA" fk --urdf ur5e.urdf --kinematics own.yaml --tip wrist_3_link rows.csv >back.tsv
     "$MUKCA" fk -q $ur --offsets table.tsv --tip wrist_3_link rows.csv >wrist.tsv
-    expect "export -f kinematics $tip, read back, is the calibrated arm to 1e-9 m" same wrist.tsv back.tsv 1e-9
+    expect "export -f kinematics $tip, read back, is the calibrated arm to 1e-9 m" near 1e-9 3 wrist.tsv back.tsv
 done
 expect "UR's hash stays that of the robot" grep -q '^  hash: calib_12345678901234567890$' own.yaml
 accept "calibrated origin of 'ball' is not exported" export $ur --offsets table.tsv -f kinematics
@@ -71,7 +63,7 @@ refuse 3 'is of the robot calib_12345678901234567890, the factory file of calib_
     export --urdf ur5e.urdf --kinematics edited.yaml --offsets table.tsv -f yaml
 accept 'hash calib_12345678901234567890 marks the robot, for its driver; the origins are fitted' \
     export $ur --offsets table.tsv -f kinematics
-run export $ur -f kinematics
+answer '^kinematics:' export $ur -f kinematics
 expect "a factory file written back as it was needs no word about its hash" sh -c "! grep -q 'the robot' '$scratch/err' '$scratch/out'"
 refuse 2 '--kinematics: give the file as A or as B' compare $ur ur5e.urdf table.tsv
 
@@ -92,7 +84,8 @@ sed 's/j\([123]\)"/joint\1"/' arm.urdf >ufactory.urdf
 rows 1 12 >twelve.csv
 "$MUKCA" fk --urdf ufactory.urdf twelve.csv >arm.tsv
 "$MUKCA" fk --urdf ufactory.urdf --kinematics ufactory.yaml twelve.csv >other.tsv
-expect "UFACTORY's layout, written and read, is the same arm" sh -c 'cmp arm.tsv other.tsv && grep -q "^  joint2:" ufactory.yaml'
+expect "UFACTORY's layout is written" grep -q "^  joint2:" ufactory.yaml
+expect "UFACTORY's layout, written and read, is the same arm" equal arm.tsv other.tsv
 
 # bad files: one line each
 bad() { sed "$1" factory.yaml >bad.yaml; }

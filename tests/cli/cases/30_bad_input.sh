@@ -104,8 +104,8 @@ refuse 3 "bad.urdf:[0-9]*: broken XML: Input is not proper UTF-8" calibrate --ur
 sed '1s/j1/J/; 1s/j2/j1/; 1s/J/j2/' session.tsv >swapped.tsv
 run evaluate $a session.tsv -o straight.tsv
 for columns in j1=j2,j2=j1 j2=j1,j1=j2; do
-    run evaluate $a swapped.tsv --columns $columns -o swapped.out --force
-    expect "--columns $columns swaps" sh -c 'cut -f 2- straight.tsv >a; cut -f 2- swapped.out | diff - a'
+    run evaluate $a swapped.tsv --columns $columns -o $columns.out
+    expect "--columns $columns swaps" cmp straight.tsv $columns.out
 done
 refuse 3 "swapped.tsv:1: two columns are called 'j1'; rename one" evaluate $a swapped.tsv --columns j2=j1
 refuse 3 "swapped.tsv:1: no column 'j1', which --columns renames" evaluate $a swapped.tsv --columns j1=j2,j1=j3,j2=j1
@@ -115,7 +115,7 @@ refuse 3 "units.tsv:1: --columns: '\[grad\]' is no unit that is read; convert th
 sed -i '1s/q \[grad\]/q/' units.tsv
 refuse 3 "units.tsv:1: --columns: '(turns)' is no unit that is read" evaluate $a units.tsv --columns 'q=j1 (turns)'
 run evaluate $a units.tsv --columns 'q=j1 [deg]' -o unit.out
-expect "--columns states a unit" sh -c 'test $(cut -f 3 straight.tsv unit.out | cut -c -8 | sort -u | wc -l) -eq 2'
+expect "--columns states a unit" near 1e-6 8 straight.tsv unit.out
 # options of pose logs
 for option in --free-base --free-tool --inverse-poses "--rotation XYZ"; do
     refuse 2 "${option% XYZ} is for pose logs, and these are samples of sockets" calibrate $a session.tsv $option
@@ -132,7 +132,6 @@ wrong_urdf 's/robot name="/robot name="\&#x9b;/' "bad.urdf: the name '??small' h
 odd=$(printf 'a\033]0;x\007b\302\233c\342\200\256d')
 cp -r good "$odd" && cut -f 2- session.tsv >"$odd.tsv"
 for command in "evaluate -v" "diagnose -v" "calibrate -v -o $odd.out" "report -o $odd.html"; do
-    # shellcheck disable=SC2086
     run $command $a "$odd" "$odd.tsv"
     for file in "$odd.html" "$odd.out"; do [ ! -f "$file" ] || cat "$file" >>"$scratch/out"; done
     expect "$command shows no control characters" sh -c \
@@ -162,9 +161,6 @@ awk -F'\t' -v OFS='\t' 'NR > 1 { $(NF - 6) = $(NF - 5) = $(NF - 4) = "nan" } { p
 for command in calibrate evaluate diagnose report; do
     refuse 3 'blind.tsv: no row has a measured position' $command $a blind.tsv
 done
-awk 'NR < 30' seen.tsv >bad.tsv
-tail -n 3 blind.tsv >>bad.tsv
-accept 'bad.tsv: 3 of 31 rows ignored: no measured position' diagnose $a bad.tsv --free-base
 # as many targets out of sight as rows, in turn: all others were seen
 awk -F'\t' -v OFS='\t' '{ x = $(NF - 6); y = $(NF - 5); z = $(NF - 4); NF -= 7
     if (NR == 1) print $0, "x_m.A\ty_m.A\tz_m.A\tx_m.B\ty_m.B\tz_m.B"
@@ -205,12 +201,7 @@ rm bad/hole_3.csv
 # fewer rows than parameters
 rows 1 2 >bad/hole_0.csv
 rows 9 2 >bad/hole_1.csv
-run calibrate $a bad
-if [ $code -le 1 ] || [ $code -eq 5 ]; then
-    expect "few rows are told, with the rank" grep -q 'numbers for .* parameters' "$scratch/out"
-else
-    fail "few rows are told, with the rank" "exit $code: $(cat "$scratch/err")"
-fi
+doubt 'numbers for .* parameters' calibrate $a bad
 
 # distances
 refuse 2 'distance 5: must be a number above 0, at most 2, in m' calibrate $a --distance 5 good
@@ -220,13 +211,8 @@ doubt 'no fixed joint ends the chain at hand' calibrate $a --tip hand good
 doubt 'nominal model is [0-9]* mm off; check the units' calibrate $a --distance 0.5 --tip hand good
 doubt '^Use     no: the samples do not fit this arm' calibrate $a --distance 0.5 good
 refuse 3 'every row is also training data' calibrate $a good --test good
-cp -r good again
-doubt 'good/hole_0.csv: 12 of 12 rows repeat rows of again/hole_0.csv to the last digit; each is used once' calibrate $a again good
 run simulate $a --seed 3 --rows 4 --placements 2 -o copied.tsv
-run calibrate $a copied.tsv --json once.json
 awk '/^p[0-9]/ { print } { print }' copied.tsv >twice.tsv
-doubt 'twice.tsv: 16 of 32 rows repeat others of it to the last digit; each is used once' calibrate $a twice.tsv --json twice.json
-expect "a row given twice counts once" sh -c 'sed "/elapsed_s/d; /copied/d" once.json >a; sed "/elapsed_s/d; /twice/d" twice.json | diff - a'
 refuse 3 'every row is also training data' calibrate $a copied.tsv --test twice.tsv
 run simulate $a --seed 4 --rows 4 --placements 2 -o other.tsv
 { cat other.tsv; grep '^p[0-9]' copied.tsv; } >mixed.tsv
@@ -238,7 +224,6 @@ awk 'BEGIN { FS = OFS = "\t" } /^p[0-9]/ { if ($2 == 1) next; $2 = n++ % 2 } { p
 { cat two_holes.tsv; sed -n 's/^p1/p9/p' one_hole.tsv; } >some.tsv
 doubt "placement 'p9': sockets '0' and '1' coincide within .* mm; .*; their distance is not used" calibrate $a some.tsv
 refuse 3 "coincide within .* mm; both labels may have been recorded in one socket; record them again" diagnose $a one_hole.tsv
-refuse 3 'nix/new.tsv: cannot write: .*; make its folder first' calibrate $a good -o nix/new.tsv
 refuse 3 'nix.tsv: cannot read' calibrate $a --distances nix.tsv good
 
 # offsets tables
@@ -273,19 +258,15 @@ refuse 6 '/dev/full: cannot write: No space left on device' calibrate $a good --
 refuse 6 '/dev/full: cannot write: No space left on device' export $a -o /dev/full
 refuse 3 '/proc/new.tsv: cannot write' calibrate $a good -o /proc/new.tsv
 refuse 3 '/proc/new.json: cannot write' calibrate $a good --json /proc/new.json
-refuse 3 'nowhere/new.tsv: cannot write: No such file' calibrate $a good -o nowhere/new.tsv
+refuse 3 'nowhere/new.tsv: cannot write: No such file.*; make its folder first' calibrate $a good -o nowhere/new.tsv
 refuse 3 'good: is a folder' calibrate $a good -o good
 refuse 2 'cannot both go to -' calibrate $a good -o - --json -
-"$MUKCA" fk $a good/hole_0.csv 2>err >/dev/full
-code=$?
-expect "standard output that is full is told" test "$code $(cat err)" = \
-    "6 mukca fk: standard output: cannot write: No space left on device; free some space"
 
 # the environment's locale and comma decimals change nothing
 "$MUKCA" fk $a --pose good/hole_0.csv >plain.tsv
 for locale in de_DE.UTF-8 de_DE tr_TR.UTF-8 xx_YY; do
     LC_ALL=$locale LC_NUMERIC=$locale LANG=$locale "$MUKCA" fk $a --pose good/hole_0.csv >foreign.tsv
-    expect "$locale changes nothing" cmp plain.tsv foreign.tsv
+    expect "$locale changes nothing" equal plain.tsv foreign.tsv
 done
 expect "no source sets the locale" sh -c "! grep -rn setlocale '$root/src'"
 

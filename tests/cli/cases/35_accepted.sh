@@ -3,7 +3,7 @@
 a="--urdf arm.urdf"
 run simulate $a --seed 3 --placements 3 --rows 20 --perturb 2,4 --noise 1e-4 -o sim.tsv
 answer '^Use     yes: held-out error' calibrate $a sim.tsv -o ok.tsv
-doubt '^Use     no: the arm would be 2.8 % larger than the model' calibrate $a sim.tsv --distance 0.052
+doubt '^Use     no: the arm would be 2.8 % larger than the model; check --distance' calibrate $a sim.tsv --distance 0.052
 awk -F'\t' '$1 != "p1" || $2 != "1" || n++ < 10' sim.tsv >cut.tsv
 accept 'note: placement p1: 20 samples of socket 0, 10 of socket 1; was a file cut?' calibrate $a cut.tsv
 run simulate $a --seed 3 --placements 4 --rows 20 --perturb 2,4 --noise 1e-4 --held-out 1 -o four.tsv --test fifth.tsv
@@ -11,6 +11,7 @@ answer '^Save    -o' calibrate $a four.tsv --test fifth.tsv
 run simulate $a --seed 3 --placements 3 --rows 1500 --perturb 2,4 --noise 1e-4 -o long.tsv
 answer 'expected error 0.[0-9]* mm .0.0[0-9]' calibrate $a long.tsv --distance-sd 1e-5 # the noise of many samples does not shrink the arm
 answer "it the sockets' distance" calibrate $a sim.tsv
+expect "without effects no advice to diagnose" sh -c "! grep -q 'mukca diagnose' '$scratch/out'"
 answer 'expected error 0.[0-3]' calibrate $a sim.tsv --distance-sd 1e-5
 for command in calibrate diagnose; do
     answer 'smaller than the model: check --distance first' $command $a sim.tsv --distance 0.0495
@@ -18,8 +19,6 @@ done
 # the better table leaves: where the diagnosis expects a gain, it is calibrate's next step
 answer '^Next    mukca diagnose -o FILE with these data: its table has the effects that' \
     calibrate --urdf "$root/data/demo/arm.urdf" "$root/data/demo/train.tsv"
-run calibrate $a sim.tsv
-expect "no such advice without effects" sh -c "! grep -q 'mukca diagnose' '$scratch/out'"
 refuse 2 'sd' evaluate $a sim.tsv --distance-sd 1e-5
 for key in accepted converged error_of error_m error_nominal_m tip_change_m \
     identified postures error_here_m error_here_low_m error_workspace_m; do
@@ -35,7 +34,6 @@ refused() {
 }
 for command in "fk good/hole_0.csv" "compensate good/hole_0.csv" "export -o new.urdf" \
     "plan sim.tsv -o new.tsv" "capture --still --lcm-url file://nix -o new.tsv"; do
-    # shellcheck disable=SC2086
     refused ${command%% *} $a --offsets failed.tsv ${command#* }
 done
 accept 'note: failed.tsv: this calibration did not pass' fk $a --offsets failed.tsv --accept-failed good/hole_0.csv

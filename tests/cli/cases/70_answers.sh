@@ -64,36 +64,22 @@ sed '1s/x_m\ty_m\tz_m/x_m.a\ty_m.a\tz_m.a/' poses.tsv | cut -f 1-11 |
     awk -F '\t' -v OFS='\t' '{ print $0, NR == 1 ? "x_m.b\ty_m.b\tz_m.b" : $9 OFS $10 OFS $11
         }' | awk -F '\t' -v OFS='\t' 'NR > 1 { $4 -= $3 } { print }' >targets.tsv
 hints() { # COMMAND FILE PATTERN
-    # shellcheck disable=SC2086
     run $1 $a $2
     expect "$1 $2: $3" sh -c 'cat "$@" | tr "\n" " " | tr -s " " | grep -q -e "$0"' "$3" "$scratch/out" "$scratch/err"
 }
 # poses that are the controller's own; one posture
 "$MUKCA" simulate $a --poses 60 --seed 5 -o own.tsv 2>/dev/null
 awk -F '\t' -v OFS='\t' 'NR == 2 { split($0, q) } NR > 1 { for (i = 2; i < 9; i++) $i = q[i] } { print }' poses.tsv >same.tsv
+# a tracker that was moved between the recordings; columns that repeat, and a joint that did not move
+changed moved '$9 += 0.05; $10 += 0.02'
+changed shifted '$9 += 0.002'
+mixed angle_sockets '$7 -= 2'
+mixed follows '$6 = 0.3 - $5; $8 = 0.5'
 for command in calibrate diagnose; do
     hints $command own.tsv "the controller's own, not measured"
     hints "$command --free-base --free-tool" own.tsv "the controller's own, not measured"
-done
-answer "the controller's own" evaluate $a own.tsv -o own.out
-refuse 5 'no calibration in these poses' recalibrate $a own.tsv -o new.tsv
-doubt 'measured poses: all 60 samples have the same joint angles' diagnose $a same.tsv
-for command in calibrate evaluate; do
-    refuse 5 'measured poses: all 60 samples have the same joint angles' $command $a same.tsv
-done
-refuse 3 'all samples have the same joint angles' recalibrate $a same.tsv -o new.tsv
-# a tracker that was moved between the recordings
-changed moved '$9 += 0.05; $10 += 0.02'
-changed shifted '$9 += 0.002'
-for command in calibrate diagnose; do
     hints "$command" "poses.tsv --test moved.tsv" 'test error 53.* mm, .*in a base frame of their own the test data agree to 0.0'
     hints "$command" "poses.tsv --test shifted.tsv" 'held-out error [12][.0-9]* mm (test data, 60 samples, 0.0[0-9]* mm in their own frame)'
-done
-answer '^Use     yes, frames only; the arm stays nominal: held-out error' calibrate $a poses.tsv --free-base --free-tool \
-    --free base_frame,ball_joint
-expect "frames alone change no tip" sh -c "! grep -q '^Tip' '$scratch/out'"
-mixed angle_sockets '$7 -= 2'
-for command in calibrate diagnose; do
     hints $command angle.tsv 'with -11[345][.0-9]* degrees added to joint_6: check'
     hints $command lower.tsv '^[^U]*Use no.* with +11[67][.0-9]* degrees added to joint_6: check'
     hints $command half.tsv 'with +2[89][.0-9]* degrees added to joint_6: check'
@@ -102,19 +88,20 @@ for command in calibrate diagnose; do
     hints $command angle_sockets.tsv 'with +11[456][.0-9]* degrees added to joint_4: check'
     hints $command small.tsv 'with -4[56][.0-9]* degrees added to joint_2: check'
     hints "$command --free-base --free-tool" targets.tsv 'with joint_2 added to joint_3 (as where'
+    hints $command parallel.tsv 'Use no.* joint_2 added to joint_3' # it counts joint_3 from the horizontal
+    doubt 'joint_2 and joint_3 have a constant sum' $command $a follows.tsv
+    doubt 'did not move in any sample: joint_5' $command $a follows.tsv
 done
-for command in calibrate diagnose; do
-    run $command $a parallel.tsv
-    expect "$command: a controller that counts joint_3 from the horizontal" \
-        sh -c "test $code = 1 && tr '\\n' ' ' <'$scratch/out' | grep -q 'joint_2 added to joint_3'"
+answer "the controller's own" evaluate $a own.tsv -o own.out
+refuse 5 'no calibration in these poses' recalibrate $a own.tsv -o new.tsv
+doubt 'measured poses: all 60 samples have the same joint angles' diagnose $a same.tsv
+for command in calibrate evaluate; do
+    refuse 5 'measured poses: all 60 samples have the same joint angles' $command $a same.tsv
 done
-mixed follows '$6 = 0.3 - $5; $8 = 0.5'
-for command in calibrate diagnose; do
-    run $command $a follows.tsv
-    expect "$command: columns that repeat, and a joint that did not move" sh -c "test $code = 1 &&
-        grep -q 'joint_2 and joint_3 have a constant sum' '$scratch/err' &&
-        grep -q 'did not move in any sample: joint_5' '$scratch/err'"
-done
+refuse 3 'all samples have the same joint angles' recalibrate $a same.tsv -o new.tsv
+answer '^Use     yes, frames only; the arm stays nominal: held-out error' calibrate $a poses.tsv --free-base --free-tool \
+    --free base_frame,ball_joint
+expect "frames alone change no tip" sh -c "! grep -q '^Tip' '$scratch/out'"
 mixed stops 'if (NR > 30 && NR < 45) $9 = 0.123456'
 doubt 'joint_6 reads 0.123456 in rows .* while other joints move' diagnose $a stops.tsv
 accept "-90 degrees added to joint_2" evaluate $a zero.tsv

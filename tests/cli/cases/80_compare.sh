@@ -12,11 +12,7 @@ refuse 3 'has 3 joints .* has 2 ' compare arm.urdf two.urdf
 refuse 3 'nix.urdf: cannot read' compare arm.urdf nix.urdf
 refuse 2 'is an input of this command' compare arm.urdf longer.urdf --json arm.urdf --force
 refuse 3 'no offsets table, or one of an older version' compare arm.urdf session.tsv
-{
-    echo "# urdf_sha256: $(sha256sum arm.urdf | cut -d ' ' -f 1)"
-    printf 'joint\tparameter\tunit\tnominal\tcalibrated\toffset\tsigma\tidentifiable\tterm\n'
-    printf 'j3\tx\tm\t0.5\t0.502\t0.002\t1e-5\t1\t-\n'
-} >hand.tsv
+table_of arm.urdf 'j3\tx\tm\t0.5\t0.502\t0.002\t1e-5\t1\t-' >hand.tsv
 accept "has no verdict" compare arm.urdf hand.tsv --urdf arm.urdf
 expect "a table and the URDF that it makes are one model" sh -c "
     '$MUKCA' compare hand.tsv longer.urdf --urdf arm.urdf -q --json same.json &&

@@ -1,5 +1,4 @@
 # mukca motion: runs of a moving arm, and bad ones
-. "$here/fixture.sh"
 moves() { "$MUKCA" simulate --urdf "$root/data/demo/arm.urdf" --motion 30 --rate 60 --torque-noise 0.02 "$@"; }
 cp "$root/data/demo/arm.urdf" motion.urdf
 moves --seed 1 --effect payload=0.5,viscous:joint_3=2 -o new.tsv
@@ -25,7 +24,6 @@ refuse 3 "spoilt.tsv has motor currents, new.tsv torques" motion --urdf motion.u
 spoilt accept "rows that repeat a time left out" awk 'NR % 500 == 0 { print } { print }' new.tsv
 spoilt accept "cut at 1 gap in time_s" awk '!/^[0-9]/ || $1 < 12 || $1 > 15' new.tsv
 # and must not
-refuse 2 "needs RUN" motion --urdf motion.urdf
 refuse 2 "there is no effect 'wind'" motion --urdf motion.urdf new.tsv --without wind
 refuse 2 "is not JOINT=NUMBER" motion --urdf motion.urdf new.tsv --current-gain joint_9=1
 refuse 2 "no value for joint_1" motion --urdf motion.urdf new.tsv --kp joint_2=100
