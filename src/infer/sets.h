@@ -11,7 +11,7 @@
 #include "infer/posterior.h"
 
 enum {
-    MUKCA_SET_ITEMS = 48,    /* in a set */
+    MUKCA_SET_ITEMS = 40,    /* in a set */
     MUKCA_SET_COLUMNS = 160, /* of them together */
     MUKCA_MOST_SETS = 4096   /* a search meets some 1,300 */
 };
