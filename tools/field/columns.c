@@ -20,6 +20,7 @@
 
 #include "diagnose/findings.h"
 #include "diagnose/identify.h"
+#include "infer/given.h"
 #include "io/dataset.h"
 #include "io/urdf.h"
 
@@ -44,11 +45,11 @@ static const char *position(const exam *x, int at)
 
 static void write_labels(FILE *out, const exam *x)
 {
-    const mukca_search *id = &x->search;
+    const mukca_search *search = &x->search;
     fputs("item\tterm\town\teffect\tvaries_with\tfrom\tto\tproduct\n", out);
     for (int i = 0; i < x->question.n_items; i++) {
         const mukca_item *item = &x->question.item[i];
-        const mukca_candidate *h = &id->all.list[id->kept[i]];
+        const mukca_candidate *h = &search->all.list[search->kept[i]];
         const bool outlier = mukca_candidate_class(h) == MUKCA_CLASS_OUTLIER;
         mukca_label l = {.effect = -1};
         if (!outlier)
@@ -78,12 +79,15 @@ static int posture_of(const mukca_recording *r, int row)
     return sample < r->n_samples ? r->posture[r->order[sample]] : -1;
 }
 
-static void write_rows(FILE *out, const exam *x, double *q, double *row)
+/* Scratch: q[geometry], row[columns + 2], along[geometry][columns]. */
+static void write_rows(FILE *out, const exam *x, double *q, double *row, double *along)
 {
     const mukca_scan *s = &x->search.scan;
     const mukca_question *all = &x->question;
     const mukca_linearisation *linear = &x->regression.linear;
     const double root = sqrt(s->precision);
+    const int n = all->n_columns;
+    mukca_question_copy(along, n, all, (mukca_span){0, n}, (mukca_span){s->n_rows, s->n});
     for (int i = 0; i < s->n_rows + s->n; i++) {
         const bool sample = i < s->n_rows;
         const double *white = s->white + (long)i * linear->stride;
@@ -92,14 +96,13 @@ static void write_rows(FILE *out, const exam *x, double *q, double *row)
         solve_forward(q, &x->regression.evidence.posterior);
         row[0] = sample ? posture_of(&x->regression.recording, i) : -1;
         row[1] = sample ? root * white[linear->y] : 0;
-        for (int k = 0; k < all->n_columns; k++)
-            row[2 + k] = sample ? all->E[(long)i * all->stride + k] : 0;
+        memset(row + 2, 0, sizeof *row * (size_t)n);
+        if (sample) mukca_question_copy(row + 2, n, all, (mukca_span){0, n}, (mukca_span){i, 1});
         for (int t = 0; t < s->n; t++) {
-            const double *along = all->E + (long)(s->n_rows + t) * all->stride;
             row[1] -= q[t] * s->z[t];
-            for (int k = 0; k < all->n_columns; k++) row[2 + k] -= q[t] * along[k];
+            for (int k = 0; k < n; k++) row[2 + k] -= q[t] * along[t * n + k];
         }
-        fwrite(row, sizeof *row, (size_t)all->n_columns + 2, out);
+        fwrite(row, sizeof *row, (size_t)n + 2, out);
     }
 }
 
@@ -159,11 +162,12 @@ int main(int argc, char **argv)
         return 3;
     }
     double *q = MUKCA_TAKE(&pool, double, x.search.scan.n + 1),
-           *row = MUKCA_TAKE(&pool, double, x.question.n_columns + 2);
+           *row = MUKCA_TAKE(&pool, double, x.question.n_columns + 2),
+           *along = MUKCA_TAKE(&pool, double, x.search.scan.n *x.question.n_columns + 1);
     FILE *labels = create(argv[3], ".tsv"), *rows = create(argv[3], ".f64");
     if (!labels || !rows || pool.failed) return 6;
     write_labels(labels, &x);
-    write_rows(rows, &x, q, row);
+    write_rows(rows, &x, q, row, along);
     const bool written = !fclose(labels) & !fclose(rows);
     mukca_pool_free(&pool);
     mukca_identify_free(&x.search);

@@ -33,6 +33,7 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.join(HERE, "..", "blind"))
 import findings  # noqa: E402
 from cases import call  # noqa: E402
+from exam import OTHER_ANSWERS  # noqa: E402
 
 METHODS = {"mukca": "findings of mukca", "bic": "stepwise BIC", "bic of R": "stats::step of R",
            "lasso": "LASSO, least error", "lasso 1se": "LASSO, one standard error", "susie": "SuSiE"}
@@ -40,11 +41,11 @@ BATCH = 10      # cases for one start of R: their columns take some 10 MB each
 
 
 def read_labels(path):
-    """Item, is it a column of the effect itself, and what it says, of each column."""
+    """Item, is it a column of the effect itself, what it says, and its product with the response."""
     with open(path + ".tsv") as f:
         next(f)
         rows = [line.rstrip("\n").split("\t") for line in f]
-    return [(int(r[0]), int(r[1]) < int(r[2]), r[3:7]) for r in rows]
+    return [(int(r[0]), int(r[1]) < int(r[2]), r[3:7], float(r[7])) for r in rows]
 
 
 def as_findings(groups, label, n):
@@ -73,9 +74,12 @@ def read_rows(path, columns):
     import numpy as np
     table = np.fromfile(path + ".f64").reshape(-1, len(columns) + 2)
     X, y = table[:, 2:], table[:, 1]
+    product = np.array([p for *_, p in columns])
+    if not np.allclose(X.T @ y, product, rtol=1e-6, atol=1e-6 * np.abs(product).max()):
+        sys.exit(f"{path}: the columns are not those of the search")
     size = np.sqrt((X ** 2).sum(axis=0))
-    keep = np.array([own for _, own, _ in columns]) & (size > 1e-6 * size.max())
-    item = np.array([i for i, _, _ in columns])[keep]
+    keep = np.array([own for _, own, *_ in columns]) & (size > 1e-6 * size.max())
+    item = np.array([i for i, *_ in columns])[keep]
     return item, X[:, keep] / size[keep] * np.sqrt(len(y)), y, table[:, 0]
 
 
@@ -196,7 +200,7 @@ def answer_all(a, tasks, kept):
             for key in made:
                 path = os.path.join(tmp, key)
                 columns = read_labels(path)
-                label = {i: said for i, _, said in columns}
+                label = {i: said for i, _, said, _ in columns}
                 n = findings.joints_of(os.path.join(a.cases, tasks[key][0], "session.tsv"))
                 for name, found in {**from_r(path), **lasso(path, columns),
                                     **stepwise(path, columns)}.items():
@@ -274,7 +278,8 @@ def main():
     a.program, a.columns = os.path.abspath(a.program), os.path.abspath(a.columns)
     with open(os.path.join(a.cases, "labels.json")) as f:
         labels = json.load(f)
-    names = [x for x in sorted(labels) if labels[x]["rows"] <= a.rows][:a.limit]
+    names = [x for x in sorted(labels)
+             if labels[x]["rows"] <= a.rows and labels[x]["kind"] not in OTHER_ANSWERS][:a.limit]
     tasks, held = {}, 0
     for name in names:
         tasks[name] = (name, None)
