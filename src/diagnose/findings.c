@@ -90,6 +90,7 @@ static void label_half(void *context, int half, int worker)
     const labelling *job = context;
     mukca_pool *pool = &job->halves->pool[worker];
     mukca_sets *sets = &job->halves->half[half].sets;
+    if (!sets->n_sets) return; /* says nothing */
     mukca_ranked *order = MUKCA_TAKE(pool, mukca_ranked, sets->n_sets);
     double *value = MUKCA_TAKE(pool, double, sets->n_sets);
     int n = 0;

@@ -288,10 +288,10 @@ mukca_status mukca_halves_search(mukca_halves *h, mukca_pool *pool, mukca_search
         mukca_dense_syrk(s.pairs, s.width, own->chunk, 1, s.width);
     }
     mukca_workers_run(search->m->recording.workers, PAIRS, search_pair, &job);
-    for (int pair = 0; pair < PAIRS && job.outcome[pair] != TOO_FEW; pair++) {
+    for (int pair = 0; pair < PAIRS; pair++) {
         if (job.outcome[pair] == FAILED)
             return mukca_fail(error, MUKCA_MEMORY, "out of memory for halves of the data");
-        h->n += 2;
+        if (job.outcome[pair] == DONE) h->n = MUKCA_HALVES;
     }
     return MUKCA_OK;
 }

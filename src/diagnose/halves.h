@@ -11,7 +11,8 @@ typedef struct {
 } mukca_half;
 
 typedef struct {
-    int n;                 /* halves: 2 h and 2 h + 1 are complements; 0: too few postures */
+    int n;                 /* MUKCA_HALVES: 2 h and 2 h + 1 are complements, without sets if one has
+                              too few postures; 0: all have */
     int n_items, *item_of; /* [n_items] item of the last search */
     mukca_item *item;
     mukca_half half[MUKCA_HALVES];

@@ -97,4 +97,24 @@ TEST(halves_do_not_know_the_order)
     for (int k = 0; k < 2; k++) end(of[k]);
 }
 
+/* A pair with too few postures in one half says nothing, whichever it is; the others do. */
+TEST(halves_with_too_few)
+{
+    int before = 0;
+    for (int seed = 1; seed <= 6; seed++) {
+        searched *of = zeroed(1, sizeof *of);
+        set_scene(&s, NULL, (uint64_t)seed);
+        s.how.noise = 1e-4;
+        s.how.rows = 3; /* of each socket's postures one or two are in a half */
+        record(&of->data, &s);
+        of->data.n_rows -= 2 * s.how.rows; /* three placements: 6 to 12 in a half, 8 at least */
+        search(of);
+        const mukca_half *half = of->halves.half;
+        for (int pair = 1; pair < of->halves.n / 2; pair++)
+            before += !half[2 * pair - 2].sets.n_sets && half[2 * pair].sets.n_sets;
+        end(of);
+    }
+    assert_true(before > 0);
+}
+
 TEST_MAIN(NULL, NULL)
