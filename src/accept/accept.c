@@ -88,20 +88,22 @@ static void advise(mukca_acceptance *a, const mukca_tip_error *tip, const char *
                            : otherwise);
 }
 
-/* Mean angle between the orientations of a pose log and those of the table, rad; NaN: none, or
- * several logs, of which the table has the frames of one. */
-static double turned(const mukca_offsets *table, const mukca_tip_change_task *task)
+/* *turn: mean angle between the orientations of a pose log and those of the table, rad; NaN: none,
+ * or several logs, of which the table has the frames of one.  False: no memory. */
+static bool find_turn(double *turn, const mukca_offsets *table, const mukca_tip_change_task *task)
 {
     const mukca_model model = {task->chain, table->theta, table->effects, table->n_effects, false};
     const mukca_dataset *d = task->data;
     mukca_dataset part = {0};
     mukca_error unsaid;
     mukca_score score = {.rotation_error = NAN};
-    if (d->quaternion && !d->n_sockets && d->n_files < 2 && d->n_targets < 2 &&
-        mukca_part_take(&part, d, MUKCA_MOST_SAMPLES, &unsaid) == MUKCA_OK)
-        mukca_evaluate(&score, NULL, &model, &part);
+    bool ok = true;
+    if (d->quaternion && !d->n_sockets && d->n_files < 2 && d->n_targets < 2)
+        ok = mukca_part_take(&part, d, MUKCA_MOST_SAMPLES, &unsaid) == MUKCA_OK &&
+             mukca_evaluate(&score, NULL, &model, &part) >= 0;
     mukca_dataset_free(&part);
-    return score.rotation_error;
+    *turn = score.rotation_error;
+    return ok;
 }
 
 bool mukca_poses_repeat(const mukca_dataset *data, double nominal_m)
@@ -113,17 +115,18 @@ bool mukca_poses_repeat(const mukca_dataset *data, double nominal_m)
 }
 
 /* State the error of test poses in a base frame of their own, if it is much smaller: a tracker that
- * was moved between the recordings is no error of the arm. */
-static void put_realigned(mukca_acceptance *a, const mukca_accept_task *task)
+ * was moved between the recordings is no error of the arm.  False: no memory. */
+static bool put_realigned(mukca_acceptance *a, const mukca_accept_task *task)
 {
     mukca_text of = {.at = a->error_of, .size = sizeof a->error_of, .used = strlen(a->error_of)},
                reason = {.at = a->reason, .size = sizeof a->reason, .used = strlen(a->reason)};
     mukca_alignment own = {.mean_m = NAN};
     mukca_geometry geometry;
-    if (!task->held || !isfinite(task->training_m) || task->held->n_sockets > 0) return;
+    if (!task->held || !isfinite(task->training_m) || task->held->n_sockets > 0) return true;
     mukca_geometry_set(&geometry, task->change.chain, task->change.to->theta);
-    (void)mukca_align(&own, &geometry, task->held, &(mukca_align_options){.tracker = true});
-    if (!(own.mean_m < left * a->error_m)) return;
+    if (!mukca_align(&own, &geometry, task->held, &(mukca_align_options){.tracker = true}))
+        return false;
+    if (!(own.mean_m < left * a->error_m)) return true;
     if (a->accepted)
         mukca_text_put(&of, ", %.3g mm in their own frame", 1e3 * own.mean_m);
     else
@@ -131,6 +134,7 @@ static void put_realigned(mukca_acceptance *a, const mukca_accept_task *task)
                        "; in a base frame of their own the test data agree to %.3f mm: was the "
                        "tracker moved?",
                        1e3 * own.mean_m);
+    return true;
 }
 
 static bool judge_samples(mukca_acceptance *a, const mukca_accept_task *task,
@@ -202,26 +206,29 @@ static void list_joints(char list[96], const unsigned char *which, const mukca_c
             mukca_text_put(&text, "%s%s", text.used ? ", " : "", mukca_chain_joint_name(chain, j));
 }
 
-/* Distance of the tip from the nominal one's, m, whatever is mounted on the last link. */
-static double distance_of_arm(const mukca_tip_error *tip, const mukca_tip_change_task *task)
+/* *off: distance of the tip from the nominal one's, m, whatever is mounted on the last link.
+ * False: no memory. */
+static bool find_distance(double *off, const mukca_tip_error *tip,
+                          const mukca_tip_change_task *task)
 {
     mukca_alignment any = {.mean_m = NAN};
     mukca_geometry geometry;
-    if (task->data->n_sockets > 0) return tip->before_m[MUKCA_HERE] - tip->tool_m;
-    if (task->data->n_targets > 1 || task->data->n_files > 1) return tip->before_m[MUKCA_HERE];
+    const mukca_align_options options = {.tracker = task->base_frame, .target = true};
+    const bool sockets = task->data->n_sockets > 0;
+    *off = tip->before_m[MUKCA_HERE] - (sockets ? tip->tool_m : 0);
+    if (sockets || task->data->n_targets > 1 || task->data->n_files > 1) return true;
     mukca_geometry_set(&geometry, task->chain, NULL);
-    (void)mukca_align(&any, &geometry, task->data,
-                      &(mukca_align_options){.tracker = task->base_frame, .target = true});
-    return any.mean_m;
+    const bool ok = mukca_align(&any, &geometry, task->data, &options);
+    *off = any.mean_m;
+    return ok;
 }
 
 static void judge_tip(mukca_acceptance *a, const mukca_tip_error *tip,
-                      const mukca_tip_change_task *task)
+                      const mukca_tip_change_task *task, double off)
 {
     const mukca_chain *chain = task->chain;
     const double *p = tip->probability;
     char stuck[96];
-    const double off = distance_of_arm(tip, task);
     list_joints(stuck, tip->stuck, chain);
     if (!(fabs(a->size_change) <= most_size_change)) {
         mukca_acceptance_refuse(a,
@@ -294,10 +301,14 @@ mukca_status mukca_accept(mukca_offsets *table, const mukca_accept_task *task, m
     for (int i = 0; i < MUKCA_PARAMETERS * task->change.chain->n_elements; i++)
         changes |=
             table->listed[i] && !mukca_tip_change_is_frame(&task->change, i / MUKCA_PARAMETERS);
-    const double turn = task->turn_rad > 0 ? task->turn_rad : turned(table, &task->change);
-    if (judge_samples(a, task, &tip, changes, turn) && changes) judge_tip(a, &tip, &task->change);
-    put_realigned(a, task);
-    return MUKCA_OK;
+    double turn = task->turn_rad, off = 0;
+    bool ok = turn > 0 || find_turn(&turn, table, &task->change);
+    if (ok && judge_samples(a, task, &tip, changes, turn) && changes) {
+        ok = find_distance(&off, &tip, &task->change);
+        if (ok) judge_tip(a, &tip, &task->change, off);
+    }
+    ok = ok && put_realigned(a, task);
+    return ok ? MUKCA_OK : mukca_fail(error, MUKCA_MEMORY, "out of memory");
 }
 
 void mukca_fit_offsets(mukca_offsets *offsets, const mukca_fit *fit)

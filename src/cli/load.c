@@ -256,16 +256,18 @@ static void note_unequal_sockets(cli_call *call, const mukca_dataset *data)
 }
 
 /* Note what a pose log leaves open of its frames. */
-static void note_open_frames(cli_call *call, const mukca_dataset *data, const cli_model *model)
+static mukca_status note_open_frames(cli_call *call, const mukca_dataset *data,
+                                     const cli_model *model)
 {
-    const cli_common *c = call->common;
+    const mukca_align_options options = {.tracker = call->common->free_base,
+                                         .target = call->common->free_tool};
     mukca_alignment found;
-    const char *open = NULL;
-    if (data->n_files == 1 && data->n_targets < 2 && !data->n_sockets &&
-        mukca_align(&found, &model->geometry, data,
-                    &(mukca_align_options){.tracker = c->free_base, .target = c->free_tool}))
-        open = mukca_alignment_open(&found);
+    if (data->n_files != 1 || data->n_targets > 1 || data->n_sockets) return MUKCA_OK;
+    if (!mukca_align(&found, &model->geometry, data, &options))
+        return cli_fail(call, MUKCA_MEMORY, "out of memory");
+    const char *open = mukca_alignment_open(&found);
     if (open) cli_note(call, "%s", open);
+    return MUKCA_OK;
 }
 
 /* The model, DATA if there are arguments, --test if given. */
@@ -278,7 +280,7 @@ static mukca_status load(cli_call *call)
     MUKCA_TRY(cli_load_data(call, &s->test, &s->model, &call->common->test));
     MUKCA_TRY(drop_training(call, &s->test, &s->data));
     note_unequal_sockets(call, &s->data);
-    note_open_frames(call, &s->data, &s->model);
+    MUKCA_TRY(note_open_frames(call, &s->data, &s->model));
     if (call->command->group != CLI_UNDERSTAND) return MUKCA_OK;
     if (s->model.chain.n_masses == 0)
         cli_note(call,

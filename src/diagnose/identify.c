@@ -181,6 +181,7 @@ static bool weigh_family(double *value, mukca_search *search, const mukca_causes
         const int at = insert(&sets, &set[i], index, count);
         value[i] = search->scan.evidence + (at >= 0 ? sets.set[at].value : -HUGE_VAL);
     }
+    search->pool.failed |= pool.failed;
     mukca_pool_free(&pool);
     return ok;
 }
@@ -226,6 +227,7 @@ static mukca_status average(mukca_search *search, mukca_error *error)
             total[i] = hi + log(exp(total[i] - hi) + exp(weighed - hi));
         }
     }
+    if (search->pool.failed) return no_memory(error);
     const double sum = mukca_stats_log_sum_exp(total, n);
     for (int i = 0; i < n; i++) search->set[i].weight = exp(total[i] - sum);
     qsort(search->set, (size_t)n, sizeof *search->set, by_weight);
