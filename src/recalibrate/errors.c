@@ -3,7 +3,7 @@
 
 #include "math/stats.h"
 #include "model/dataset_subset.h"
-#include "recalibrate/recalibrate.h"
+#include "recalibrate/errors.h"
 
 /* Vector lengths beyond so many medians, the length of 3 normals being 1.54 sigma: 8 sigma. */
 static const double outlying = 8 / 1.54;

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "record/recorder.h"
+#include "record/messages.h"
 
 static const int64_t repeat_us = 10000000; /* of reports of the same trouble */
 
