@@ -209,8 +209,8 @@ void mukca_effect_direction(double *direction, int n_joints, const mukca_effect 
                             const mukca_joint_state *state);
 
 /* Displacement by `n` effects at the configuration state->q, with the gravity moments of the arm in
- * static equilibrium (rounds of a fixed point: within 0.1 um for real arms).  `state` also supplies
- * move, time, placement, command, payload_kg. */
+ * static equilibrium (rounds of a fixed point: within 0.1 um for real arms).  `state`, not
+ * NULL, also supplies move, time, placement (-1: none), command, payload_kg. */
 void mukca_effects_displacement(mukca_displacement *displacement, const mukca_effect *effects,
                                 int n, const mukca_chain *chain, const mukca_geometry *geometry,
                                 const mukca_joint_state *state);

@@ -79,7 +79,9 @@ mukca_status cli_diagnosis_run(cli_call *call, cli_diagnosis *d)
     MUKCA_TRY(mukca_diagnose(&d->diagnosis, chain, &s->data, &d->options, error));
     MUKCA_TRY(mukca_next_poses_choose(&d->next, &d->diagnosis, chain, &s->data, cli_stop, error));
     if (d->next.left_out)
-        cli_note(call, "next postures: for the first %d sockets, without the samples of %d others",
+        cli_note(call,
+                 "the next postures are for the first %d sockets; the samples of %d further ones "
+                 "are not used",
                  MUKCA_PLAN_MAX_SOCKETS, d->next.left_out);
     return MUKCA_OK;
 }

@@ -102,8 +102,10 @@ static mukca_status gather_sockets(plan_work *r)
         r->n_sockets = mukca_plan_sockets(r->sockets, MUKCA_PLAN_MAX_SOCKETS, &left_out,
                                           &r->model->geometry, r->data);
         if (left_out)
-            cli_note(r->call, "postures for the first %d sockets, without the samples of %d others",
-                     r->n_sockets, left_out);
+            cli_note(
+                r->call,
+                "the plan covers the first %d sockets; the samples of %d further ones are not used",
+                r->n_sockets, left_out);
         if (r->n_sockets == 0)
             return cli_fail(r->call, MUKCA_INPUT,
                             "these DATA have no sockets; plan is for socket data");

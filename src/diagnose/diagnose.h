@@ -45,7 +45,12 @@ extern const char *const mukca_fault_name[];
 
 enum { MUKCA_MAX_APPLIED = 40 }; /* effects: the causes, or all that a fleet knows of */
 
-enum { MUKCA_MAX_CAUSES = 16, MUKCA_MAX_TIES = 12, MUKCA_MAX_FAULTS = 64, MUKCA_MAX_TESTED = 512 };
+enum {
+    MUKCA_MAX_CAUSES = MUKCA_MAX_APPLIED,
+    MUKCA_MAX_TIES = 12,
+    MUKCA_MAX_FAULTS = 64,
+    MUKCA_MAX_TESTED = 512
+};
 
 typedef struct {
     mukca_effect_kind effect;

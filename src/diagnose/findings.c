@@ -110,7 +110,8 @@ static mukca_status no_memory(mukca_error *error)
     return mukca_fail(error, MUKCA_MEMORY, "out of memory for the findings");
 }
 
-/* Search the halves, under the noise of the last search, and label their sets as the whole. */
+/* Search the halves, under the noise of the last search, and label their sets as the whole.  Those
+ * without sets say nothing: out[] has the others, halves->n of them. */
 static mukca_status label_halves(mukca_labelled_sets out[MUKCA_HALVES], mukca_halves *halves,
                                  mukca_pool *pool, mukca_search *search,
                                  const mukca_labelled_search *whole, mukca_error *error)
@@ -126,6 +127,10 @@ static mukca_status label_halves(mukca_labelled_sets out[MUKCA_HALVES], mukca_ha
     mukca_workers_run(search->m->recording.workers, halves->n, label_half,
                       &(labelling){halves, out, label});
     for (int k = 0; k < MUKCA_MOST_WORKERS; k++) pool->failed |= halves->pool[k].failed;
+    int n = 0;
+    for (int h = 0; h < halves->n; h++)
+        if (out[h].n_sets) out[n++] = out[h];
+    halves->n = n;
     return MUKCA_OK;
 }
 

@@ -12,7 +12,7 @@ typedef struct {
 
 typedef struct {
     int n;                 /* MUKCA_HALVES: 2 h and 2 h + 1 are complements, without sets if one has
-                              too few postures; 0: all have */
+                              too few postures, or is singular; 0: all are so */
     int n_items, *item_of; /* [n_items] item of the last search */
     mukca_item *item;
     mukca_half half[MUKCA_HALVES];

@@ -120,20 +120,26 @@ static void measure_without(measurement *s, int cause, bool by_socket)
     mukca_folds_run(s->b->error, s->b, by_socket);
 }
 
+/* Report the part of the work that is done.  Errors: MUKCA_INTERRUPTED. */
+static mukca_status report(const measurement *s, double done, mukca_error *error)
+{
+    const mukca_diagnose_options *o = s->options;
+    if (!o->progress || o->progress(o->progress_context, done, "measuring on held-out samples"))
+        return MUKCA_OK;
+    return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted");
+}
+
 /* Error without each cause in turn; then with the first cause, with the first two, ... */
 static mukca_status measure_causes(measurement *s, mukca_error *error)
 {
     mukca_regression *m = s->b->m;
     mukca_diagnosis *d = s->d;
-    const mukca_diagnose_options *o = s->options;
     const int n = d->n_causes;
     for (int i = 0; i < n; i++) {
         const int c = acting(s, i);
         if (c < 0) continue;
         const bool by_socket = needs_sockets(&d->causes[i].effect, &m->recording);
-        if (o->progress &&
-            !o->progress(o->progress_context, 0.7 + 0.2 * i / n, "measuring on held-out samples"))
-            return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted");
+        MUKCA_TRY(report(s, 0.7 + 0.15 * i / n, error));
         measure_without(s, c, by_socket);
         mukca_folds_compare(&d->causes[i].held_out, s->b, s->b->error, s->full[by_socket]);
         mukca_unknowns_assign(&m->unknowns, s->all);
@@ -152,7 +158,7 @@ static mukca_status measure_causes(measurement *s, mukca_error *error)
 }
 
 /* Error without all members of each finding. */
-static void measure_findings(measurement *s)
+static mukca_status measure_findings(measurement *s, mukca_error *error)
 {
     mukca_regression *m = s->b->m;
     mukca_unknowns *u = &m->unknowns;
@@ -160,6 +166,7 @@ static void measure_findings(measurement *s)
         const mukca_finding_group *g = &s->d->findings[f].group;
         int dropped = 0, alone = -1; /* the identified cause that is dropped */
         bool by_socket = false;
+        MUKCA_TRY(report(s, 0.85 + 0.1 * f / s->d->n_findings, error));
         for (int c = u->n_causes - 1; c >= 0; c--) {
             const mukca_candidate *h = &u->cause[c].candidate;
             if (h->kind != MUKCA_CANDIDATE_EFFECT) continue;
@@ -180,6 +187,7 @@ static void measure_findings(measurement *s)
         }
         if (dropped) mukca_unknowns_assign(u, s->all);
     }
+    return MUKCA_OK;
 }
 
 mukca_status mukca_held_out_run(mukca_diagnosis *d, mukca_arm_state *geometry, mukca_regression *m,
@@ -219,7 +227,7 @@ mukca_status mukca_held_out_run(mukca_diagnosis *d, mukca_arm_state *geometry, m
         measure_explained(&s);
         mukca_unknowns_assign(s.all, &m->unknowns);
         status = measure_causes(&s, error);
-        if (status == MUKCA_OK) measure_findings(&s);
+        if (status == MUKCA_OK) status = measure_findings(&s, error);
     }
     mukca_regression_linearise(m);
     return status;

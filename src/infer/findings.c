@@ -281,6 +281,7 @@ static int by_coarseness(const void *a, const void *b)
 static void ask_halves(mukca_finding_group *g, const groups *all)
 {
     const int n = all->n_halves;
+    g->n_halves = n;
     g->halves = g->against = n ? 0 : NAN;
     for (int h = 0; h < n; h++) g->halves += weigh(&g->against, g, &all->half[h], all->present) / n;
     g->against /= n;
@@ -288,9 +289,9 @@ static void ask_halves(mukca_finding_group *g, const groups *all)
 
 /* Expected share of the halves in favour of a group, of those that decide: one that has too few
  * rows for the group, and no rival, says nothing.  Prior: Beta(1/2, 1/2) (Jeffreys). */
-static double support(const mukca_finding_group *g, int n_halves)
+static double support(const mukca_finding_group *g)
 {
-    return (0.5 + n_halves * g->halves) / (1 + n_halves * (g->halves + g->against));
+    return (0.5 + g->n_halves * g->halves) / (1 + g->n_halves * (g->halves + g->against));
 }
 
 /* Do n chosen groups have some of a group's causes? */
@@ -320,7 +321,7 @@ static bool says_name(const mukca_finding_group *g, const groups *all)
 static bool is_sure(const mukca_finding_group *g, const groups *all)
 {
     return g->probability >= (says_name(g, all) ? MUKCA_FINDING_NAMED : MUKCA_FINDING_SURE) &&
-           support(g, all->n_halves) > MUKCA_FINDING_STABLE;
+           support(g) > MUKCA_FINDING_STABLE;
 }
 
 /* Does a group explain more than each of the n finer ones, which have some of its causes?  Less may

@@ -79,7 +79,8 @@ typedef struct mukca_finding_group {
     int low, high; /* details */
     bool fine, apart;
     double probability; /* posterior; of what is no finding, averaged with that in halves */
-    double halves;      /* mean probability in halves of the data; NaN: too little data */
+    int n_halves;       /* of the data, that were searched */
+    double halves;      /* mean probability in these; NaN: none */
     double against;     /* mean probability there that a rival is present instead */
     const struct mukca_finding_group *finer; /* [n_finer] chosen before: their causes are theirs */
     int n_finer;                             /* 0: none of its causes is */

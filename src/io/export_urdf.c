@@ -21,6 +21,7 @@ static int find_element(const mukca_export_input *input, const mukca_urdf_text *
                         const char *joint)
 {
     const mukca_chain *chain = input->chain;
+    if (!joint) return -1;
     const int found = mukca_chain_find_element(chain, joint);
     for (int k = 0; k < chain->n_elements && found < 0 && input->into; k++)
         if (!mukca_urdf_text_joint(urdf, chain->element[k].name) &&

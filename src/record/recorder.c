@@ -59,7 +59,7 @@ static const double requests_per_s = 50, first_requests = 40, most_requests = 10
 
 /* Tolerated clock difference between signer and receiver, s: clocks set by hand agree within
  * seconds.  A recorded request cannot be replayed, which permits a wide tolerance. */
-static const double fresh = 10;
+static const double clock_tolerance = 10;
 
 bool mukca_budget_take(mukca_budget *b, int64_t now, double rate, double first, double most)
 {
@@ -108,7 +108,7 @@ mukca_status mukca_requests_check_signature(mukca_recorder *r, const mukca_lcm_p
         return mukca_fail(error, MUKCA_NEGATIVE,
                           "not signed with the key that is required here: send it with --key FILE");
     const double ahead = 1e-6 * ((double)utime - (double)packet->time); /* utime: any number */
-    if (fabs(ahead) > fresh)
+    if (fabs(ahead) > clock_tolerance)
         return mukca_fail(error, MUKCA_NEGATIVE,
                           "signed %.0f s %s: synchronise the clocks of both machines", fabs(ahead),
                           ahead > 0 ? "in the future" : "ago");

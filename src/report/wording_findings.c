@@ -138,22 +138,20 @@ static void put_estimate(char *text, const mukca_estimate *e, const mukca_effect
 const char *mukca_wording_sureness(char text[MUKCA_WORDING], const mukca_finding_group *g)
 {
     const double p = g->probability;
-    const int held = (int)rint(g->halves * MUKCA_HALVES),
-              against = (int)rint(g->against * MUKCA_HALVES);
-    put(text, "%s",
-        p > 0.999 && held == MUKCA_HALVES && !g->beside_unknown ? "certain (" : "sure (");
+    const int n = g->n_halves, held = (int)rint(g->halves * n), against = (int)rint(g->against * n);
+    put(text, "%s", p > 0.999 && held == n && !g->beside_unknown ? "certain (" : "sure (");
     if (p > 0.999)
         put(text, "> 99.9 %%, ");
     else
         put(text, "%.0f %%, ", floor(100 * p));
-    if (held == MUKCA_HALVES)
+    if (held == n)
         put(text, "all halves)");
-    else if (held + against >= MUKCA_HALVES)
-        put(text, "%d of %d halves)", held, MUKCA_HALVES);
+    else if (held + against >= n)
+        put(text, "%d of %d halves)", held, n);
     else if (against)
-        put(text, "%d of %d halves, %d against)", held, MUKCA_HALVES, against);
+        put(text, "%d of %d halves, %d against)", held, n, against);
     else
-        put(text, "%d of %d halves, none against)", held, MUKCA_HALVES);
+        put(text, "%d of %d halves, none against)", held, n);
     if (g->beside_unknown) put(text, ", or left by a larger cause outside the catalogue");
     return text;
 }

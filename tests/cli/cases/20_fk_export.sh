@@ -112,6 +112,8 @@ run export --urdf arm.urdf --offsets into_table.tsv -f mjcf -o whole.xml
 accept "note: body 'fore': moved by [0-9.]* mm, [0-9.]* mrad" export --urdf arm.urdf --offsets into_table.tsv --into own.xml -o patched.xml
 expect "export --into has the poses of the whole export" test "$(bodies patched.xml)" = "$(bodies whole.xml)"
 expect "export --into keeps the rest" test "$(sed 's/ \(pos\|quat\)="[^"]*"//g' patched.xml)" = "$(sed 's/ \(pos\|quat\)="[^"]*"//g' own.xml)"
+sed "s|<joint name=|<joint/>&|" arm.urdf >nameless.urdf
+answer "<joint/><joint name=" export --urdf arm.urdf --into nameless.urdf
 wrong_into() { # MODEL SED PATTERN: refused for what is wrong with it
     sed "$2" "$1" >"wrong.${1##*.}"
     refuse 3 "wrong.${1##*.}: $3" export --urdf arm.urdf --offsets into_table.tsv --into "wrong.${1##*.}"

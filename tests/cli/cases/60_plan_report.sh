@@ -47,9 +47,9 @@ assert rows[0]['placement'] == last or all(r['placement'] != last for r in rows)
 # 66 sockets: a plan has 64, and says so
 "$MUKCA" simulate -q --urdf "$demo/arm.urdf" --seed 5 --noise 2e-4 --perturb 1,2 --effect joint_compliance:joint_2=2e-5 \
     --placements 33 --rows 3 -o many.tsv
-accept "postures for the first 64 sockets, without the samples of 2 others" \
+accept "the plan covers the first 64 sockets; the samples of 2 further ones are not used" \
     plan --urdf "$demo/arm.urdf" many.tsv --rows 2 -o few.tsv
-accept "next postures: for the first 64 sockets, without the samples of 2 others" diagnose --urdf "$demo/arm.urdf" many.tsv
+accept "the next postures are for the first 64 sockets; the samples of 2 further ones are not used" diagnose --urdf "$demo/arm.urdf" many.tsv
 run plan -q --urdf "$demo/arm.urdf" --place front=0.45,0,0.05 --rows 2 --json -
 expect "its JSON has the time taken, and counts as whole numbers" sh -c \
     "grep -q '\"elapsed_s\": [0-9.e-]*' '$scratch/out' && grep -q '\"rows_to_name\": [0-9]*,' '$scratch/out'"
