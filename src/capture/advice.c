@@ -17,7 +17,7 @@ enum { PROBES = 32, MORE_ROWS = 10 };
 enum { LEAST_TWINS = 3 };
 
 /* Expected rms error over random configurations.  Rigid motions of the base are no error and are
- * projected out.  NaN: out of memory. */
+ * projected out.  Check p->pool.failed. */
 static double expected_error(mukca_arm_posterior *p)
 {
     const int w = MUKCA_RIGID + p->m.linear.n_columns + 1, rows = 3 * PROBES, n = p->chain.n_joints;
@@ -26,7 +26,8 @@ static double expected_error(mukca_arm_posterior *p)
     mukca_random random = mukca_random_seeded(1);
     for (int i = 0; i < PROBES && !p->pool.failed; i++)
         mukca_posture_draw(q + i * n, &p->chain, &random);
-    if (p->pool.failed || !mukca_arm_posterior_probe(X, w, p, q, PROBES)) return (double)NAN;
+    p->pool.failed = p->pool.failed || !mukca_arm_posterior_probe(X, w, p, q, PROBES);
+    if (p->pool.failed) return (double)NAN;
     mukca_dense_project(X, rows, w, 0, MUKCA_RIGID);
     for (int k = 0; k < rows; k++)
         sum += mukca_posterior_variance(X + k * w + MUKCA_RIGID, &p->m.evidence.posterior);
@@ -88,7 +89,7 @@ static mukca_status renew(mukca_capture_advice *advice, mukca_capture *capture,
     capture->noise = p->m.unknowns.sigma;
     capture->geometry = p->m.unknowns.arm.geometry;
     advise(advice, capture, p);
-    return MUKCA_OK;
+    return p->pool.failed ? mukca_fail(error, MUKCA_MEMORY, "out of memory") : MUKCA_OK;
 }
 
 mukca_status mukca_capture_advise(mukca_capture_advice *advice, mukca_capture *capture,
