@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """The findings of the published robots in another order of the samples, and in each half of them.
 
-Prints a table and exits with 1 where one is nothing that is said as recorded, be it a maybe: a place in common, and an
-effect or what it varies with, if both say one. The data are not part of the project: MUKCA_REAL_DATA or ../shared/real;
-without them it says so.
+Prints a table and exits with 1 if one agrees with no finding as recorded, nor with what may be one: they have a place
+in common, and the effect, or what the error varies with, if both name it. The data are not part of the project:
+MUKCA_REAL_DATA or ../shared/real; without them it says so.
 """
 import json
 import os

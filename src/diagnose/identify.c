@@ -119,8 +119,8 @@ static bool search_candidates(mukca_search *search, mukca_causes *best, bool las
 {
     mukca_pool *pool = &search->search_pool;
     mukca_pool_free(pool); /* of the last pass */
-    qsort(search->kept, (size_t)search->n_kept, sizeof *search->kept,
-          ascending); /* order of kept: no matter */
+    /* the order in which they were kept does not matter */
+    qsort(search->kept, (size_t)search->n_kept, sizeof *search->kept, ascending);
     set_causes(search, NULL);
     if (!mukca_scan_aim(&search->scan, search->m->unknowns.family) ||
         !mukca_scan_question(&search->question, &search->scan, pool, search->kept,
